@@ -7,3 +7,4 @@ cargo test "$@" --test all --no-run
 target/scipy/bin/python -W error tests/python/reference_scipy.py \
     "${CARGO_TARGET_DIR:-target}/debug/afmsweep" tests/python/reference/*.toml
 target/scipy/bin/python -W error tests/python/pyramid_half_space.py
+target/scipy/bin/python -W error tests/python/layer_contact.py "${CARGO_TARGET_DIR:-target}/debug/afmsweep"

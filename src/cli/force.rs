@@ -54,10 +54,13 @@ pub fn main(args: &ForceArgs) -> anyhow::Result<()> {
         true => String::new(),
         false => format!(", instance {}{}", args.instance, scene.described(args.instance)),
     };
-    let tip = match contact.shape.has_angle() {
-        true => format!("half-angle {:.4} degree", contact.half_angle),
-        false => format!("R {:.6e} m", contact.radius),
+    let mut tip = match contact.shape.has_radius() {
+        true => format!("R {:.6e} m", contact.radius),
+        false => format!("half-angle {:.4} degree", contact.half_angle),
     };
+    if let Some(layer) = contact.layer {
+        tip += &format!(", layer of {:.6e} m", layer.thickness);
+    }
     let tabor = match contact.tabor() {
         tabor if tabor.is_nan() => String::new(),
         tabor => format!(", Tabor's parameter {tabor:.3}"),

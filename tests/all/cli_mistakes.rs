@@ -34,7 +34,7 @@ const SCENES: &[(&str, &str)] = &[
     ("gap = \"16 nm\"", "gap = \"16\""),
     ("gap = \"16 nm\"", "gap = 16 nm"),
     ("radius = \"8 nm\"", "radius = 8e-9"),
-    ("youngs_modulus = \"2.7 GPa\"", "youngs_modulus = \"2.7 GPa\"\nthickness = \"200 nm\""),
+    ("youngs_modulus = \"2.7 GPa\"", "youngs_modulus = \"2.7 GPa\"\nbonded = false"),
     ("gap = \"16 nm\"", "gap = \"16 nN\""),
     ("gap = \"16 nm\"", "gap = \"16 nanometer\""),
     ("gap = \"16 nm\"", "gap = \"16 parsec\""),

@@ -273,6 +273,7 @@ fn every_quantity_can_be_written_swept_and_echoed() {
             "instrument.tip.half_angle" => {
                 company = "[instrument.tip]\nshape = \"cone\"\n[contact]\nlaw = \"hertz\"\n".into()
             }
+            "sample.thickness" => company = "[contact]\nlaw = \"hertz\"\n".into(),
             "sample.hamaker" => company = "[contact]\nlaw = \"dmt\"\n".into(),
             "sample.viscosity" | "sample.retardation_time" | "sample.loss_tangent" => {
                 company = "[contact]\nlaw = \"dmt\"\n".into()

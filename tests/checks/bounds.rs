@@ -40,6 +40,8 @@ pub const ORDER_PUNCH: f64 = 3.0;
 pub const ORDER_JKR: f64 = 2.4;
 /// Tips of other shapes with 4,096 steps, every observable. Seen: 8.5e-8 (contact time).
 pub const SHAPES_FINE: f64 = 3e-7;
+/// The same of a hyperboloid, whose series is right to 2e-6 of the force. Seen: 1.3e-6 (largest force).
+pub const HYPERBOLOID_FINE: f64 = 3e-6;
 
 /// JKR's loss per tap at the plan's steps, relative. Seen: 2.5e-4 (4 GPa, 10 nm).
 pub const JKR_LOSS: f64 = 5e-4;

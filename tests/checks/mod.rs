@@ -121,11 +121,15 @@ pub fn force_law(plan: &Plan, instance: usize) -> Force {
         Law::ShapedHertz | Law::ShapedDmt => {
             let tangent = contact.half_angle.to_radians().tan();
             let tip = match contact.shape {
+                _ if contact.layer.is_some() => {
+                    Tip::Layer { terms: *contact.shaped().unwrap().coefficients() }
+                }
                 TipShape::Paraboloid => unreachable!("that is no other shape"),
                 TipShape::Sphere => Tip::Sphere { r },
                 TipShape::Cone => Tip::Cone { tangent },
                 TipShape::Pyramid => Tip::Pyramid { tangent },
                 TipShape::Punch => Tip::Punch { r },
+                TipShape::Hyperboloid => Tip::Hyperboloid { r, tangent },
             };
             let pull = if contact.law == Law::ShapedDmt { 2.0 * PI * r * w } else { 0.0 };
             Force::Indenter { e: 0.75 * k, tip, pull, d0: contact.decay_length }

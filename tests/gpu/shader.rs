@@ -71,8 +71,8 @@ steps_per_period = {steps}
         scene.base.sample.viscosity = Viscosity::Relaxing { modulus: 6e10, time: 2e-7 };
     } else if law.ends_with("-shaped") {
         // Of each kind of power one; under DMT's attraction a sphere.
-        let shapes = [TipShape::Sphere, TipShape::Cone, TipShape::Punch];
-        let shape = if word == "dmt" { TipShape::Sphere } else { shapes[modes % 3] };
+        let shapes = [TipShape::Sphere, TipShape::Cone, TipShape::Punch, TipShape::Hyperboloid];
+        let shape = if word == "dmt" { TipShape::Sphere } else { shapes[modes % 4] };
         (scene.base.instrument.tip.shape, scene.base.instrument.tip.half_angle) = (shape, Some(70.0));
     } else if law.ends_with("-viscous") {
         scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);

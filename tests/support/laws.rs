@@ -42,6 +42,10 @@ pub enum Tip {
     Pyramid { tangent: f64 },
     /// g = 0 up to its radius
     Punch { r: f64 },
+    /// On a layer: the sum of c_n d^(n/2), n from 2 on, that is the program's model of it
+    Layer { terms: [f64; 10] },
+    /// g = (A/R) x atan(x/A), A = R/tan(alpha)
+    Hyperboloid { r: f64, tangent: f64 },
 }
 
 impl Tip {
@@ -69,6 +73,25 @@ impl Tip {
             }
             Tip::Pyramid { tangent } => Tip::Cone { tangent: 0.7453 * PI / 2.0 * tangent }.force(e, d),
             Tip::Punch { r } => 2.0 * e * r * d,
+            Tip::Layer { terms } => {
+                let root = d.sqrt();
+                d * terms.iter().rev().fold(0.0, |sum, term| sum * root + term)
+            }
+            Tip::Hyperboloid { r, tangent } => {
+                let (axis, depth) = (r / tangent, d * tangent * tangent / r);
+                let (mut low, mut high) = (0.0, 2.0 + depth);
+                while high - low > 4.0 * f64::EPSILON * high {
+                    let x: f64 = 0.5 * (low + high);
+                    if x * x.atan() < depth { low = x } else { high = x }
+                }
+                let x = low;
+                // The integral of t atan(t) up to x is ((1 + x^2) atan(x) - x)/2.
+                let under = match x < 0.02 {
+                    true => x.powi(3) / 3.0 - x.powi(5) / 15.0 + x.powi(7) / 35.0,
+                    false => 0.5 * ((1.0 + x * x) * x.atan() - x),
+                };
+                2.0 * e * axis.powi(3) / r * (x * depth - under)
+            }
         }
     }
 }

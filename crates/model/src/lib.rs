@@ -3,6 +3,7 @@
 
 pub mod contact;
 pub mod instrument;
+mod legendre;
 pub mod scene;
 
 use afmsweep_data::{design, observe, suggestion, units};

@@ -119,6 +119,10 @@ fn cure(word: &str) -> &'static str {
             "set contact.law to \"auto\" if the sample is elastic, to \"dmt\" if it is viscous, or sample.surface_energy to zero"
         }
         "large_strain" => "beyond small strain: expect an error in the force of 1 % or more",
+        "beyond_series" => {
+            "deeper than the force of the layer or of the hyperboloid is known: it counts too large"
+        }
+        "adhesive_layer" => "the attraction is that of a thick sample",
         "rigid_tip" => "give the tip its youngs_modulus and poisson_ratio",
         _ => "",
     }

@@ -13,7 +13,7 @@ const MAX_SHARED_CONTACTS: usize = 1 << 16;
 pub(super) struct SharedContacts {
     all: Vec<Compact>,
     /// Their numbers by their constants.
-    known: HashMap<[u64; 7], Vec<u32>>,
+    known: HashMap<[u64; 9], Vec<u32>>,
     /// By instance so far: the number of its contact. `None` if too many are distinct.
     of: Option<Codes>,
 }

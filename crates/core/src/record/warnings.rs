@@ -10,8 +10,15 @@ use crate::scene::{Cases, Params, Scene};
 use rayon::prelude::*;
 
 /// Names of the bits of `contact_warnings`.
-pub const WARNINGS: [&str; 5] =
-    ["law_does_not_fit", "between_laws", "adhesion_left_out", "large_strain", "rigid_tip"];
+pub const WARNINGS: [&str; 7] = [
+    "law_does_not_fit",
+    "between_laws",
+    "adhesion_left_out",
+    "large_strain",
+    "rigid_tip",
+    "beyond_series",
+    "adhesive_layer",
+];
 
 fn bit(warning: &Warning) -> u8 {
     match warning {
@@ -20,6 +27,8 @@ fn bit(warning: &Warning) -> u8 {
         Warning::AdhesionLeftOut { .. } => 1 << 2,
         Warning::LargeStrain { .. } => 1 << 3,
         Warning::RigidTip { .. } => 1 << 4,
+        Warning::BeyondSeries { .. } => 1 << 5,
+        Warning::AdhesiveLayer => 1 << 6,
     }
 }
 

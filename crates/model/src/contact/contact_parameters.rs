@@ -1,7 +1,9 @@
 //! What decides a contact: the law for a case, and what its constants are made of.
 
 use super::tabor::{fitting_law, tabor_parameter};
-use super::{Contact, Law, Model, NEGLIGIBLE_ADHESION, combined_modulus, retardation_time, work_of_adhesion};
+use super::{
+    Contact, Law, Layer, Model, NEGLIGIBLE_ADHESION, combined_modulus, retardation_time, work_of_adhesion,
+};
 use crate::scene::{DriveFrequency, LawChoice, Params, TipShape, Viscosity, ViscosityModel};
 use std::f64::consts::PI;
 
@@ -28,6 +30,8 @@ pub struct Compact {
     /// The tip's shape, and the half-angle (degree) of a shape that has one, else 0.
     pub shape: TipShape,
     pub half_angle: f64,
+    /// The sample, if it is a thin layer.
+    pub layer: Option<Layer>,
 }
 
 impl Compact {
@@ -84,15 +88,18 @@ impl Compact {
             ad_hoc: false,
             shape: TipShape::Paraboloid,
             half_angle: 0.0,
+            layer: None,
         }
     }
 
-    /// The same under a tip of the shape that the case has.
+    /// The same under a tip of the shape that the case has, on a layer if the sample is one.
     fn shaped(self, params: &Params) -> Self {
-        let tip = &params.instrument.tip;
+        let (tip, sample) = (&params.instrument.tip, &params.sample);
+        let (poisson_ratio, bonded) = (sample.poisson_ratio, sample.bonded);
+        let layer = sample.thickness.map(|thickness| Layer { thickness, poisson_ratio, bonded });
         match self.law.shaped() {
-            Some(law) if tip.shape != TipShape::Paraboloid => {
-                Self { law, shape: tip.shape, half_angle: tip.half_angle.unwrap_or(0.0), ..self }
+            Some(law) if tip.shape != TipShape::Paraboloid || layer.is_some() => {
+                Self { law, shape: tip.shape, half_angle: tip.half_angle.unwrap_or(0.0), layer, ..self }
             }
             _ => self,
         }
@@ -113,10 +120,12 @@ impl Compact {
     }
 
     /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m), combined modulus at once (Pa),
-    /// retardation time (s) and half-angle (degree).
-    pub fn constants(&self) -> [f64; 7] {
+    /// retardation time (s), half-angle (degree), and a layer's thickness (m) and Poisson ratio.
+    pub fn constants(&self) -> [f64; 9] {
         let [at_once, later, angle] = [self.instantaneous, self.retardation, self.half_angle];
-        [self.modulus, self.radius, self.work, self.decay_length, at_once, later, angle]
+        let (thickness, ratio) =
+            self.layer.map_or((f64::INFINITY, 0.0), |layer| (layer.thickness, layer.poisson_ratio));
+        [self.modulus, self.radius, self.work, self.decay_length, at_once, later, angle, thickness, ratio]
     }
 
     /// The contact, to the bit.

@@ -23,7 +23,7 @@ use std::f64::consts::PI;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dmt<E = Hertz> {
-    elastic: E,
+    pub(super) elastic: E,
     radius: f64,
     work: f64,
     adhesion: f64,

@@ -14,7 +14,7 @@
 //! |---|---|---|---|
 //! | [`Hertz`] | `K sqrt(R) delta^1.5` | 0 | no |
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
-//! | [`ShapedHertz`] | a tip of another shape; under DMT's attraction a sphere | as above | no |
+//! | [`ShapedHertz`] | a tip of another shape, or a sample that is a thin [`Layer`]; with DMT's attraction under a round tip | as above | no |
 //! | [`Viscous`] | those of Hertz and DMT with a term of the rate, see there | those | no |
 //! | [`RelaxingHertz`] | that of Hertz with a modulus that falls from one value to another | 0 | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
@@ -23,6 +23,7 @@ mod contact_parameters;
 mod dmt;
 mod hertz;
 mod jkr;
+mod layer;
 mod no_sample;
 mod ramp;
 mod relaxing;
@@ -38,8 +39,10 @@ pub use contact_parameters::Compact;
 pub use dmt::Dmt;
 pub use hertz::Hertz;
 pub use jkr::Jkr;
+pub use layer::{LAYER_REACH, Layer};
 pub use ramp::{Jump, Ramp, RampCurve};
 pub use relaxing::RelaxingHertz;
+pub use shaped::HYPERBOLOID_REACH;
 pub use shaped::ShapedHertz;
 pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use static_law::{KernelUnits, Passed, StaticLaw};
@@ -136,6 +139,15 @@ impl Contact {
     pub fn jkr(&self) -> Option<&Jkr> {
         match &self.model {
             Model::Jkr(law) => Some(law),
+            _ => None,
+        }
+    }
+
+    /// The sum of powers, where the law is one of a shape or of a layer.
+    pub fn shaped(&self) -> Option<&ShapedHertz> {
+        match &self.model {
+            Model::ShapedHertz(law) => Some(law),
+            Model::ShapedDmt(law) => Some(&law.elastic),
             _ => None,
         }
     }

@@ -1,7 +1,9 @@
 //! Where a contact law is used outside its assumptions: typed, with the numbers.
 
 use super::tabor::fitting_law;
-use super::{Attraction, Contact, DMT_BELOW, JKR_ABOVE, Law, NEGLIGIBLE_ADHESION};
+use super::{
+    Attraction, Contact, DMT_BELOW, HYPERBOLOID_REACH, JKR_ABOVE, LAYER_REACH, Law, NEGLIGIBLE_ADHESION,
+};
 use crate::scene::{LawChoice, Params, TipShape};
 use crate::units::{Dimension, shown};
 use std::f64::consts::PI;
@@ -37,7 +39,7 @@ pub enum Warning {
     /// Hertz was asked for, and adhesion is not negligible at this load.
     #[error(
         "contact law hertz leaves out an adhesion of up to {:.3} nN at a load of {:.3} nN; \
-         set contact.law to \"auto\" if the sample is elastic, to \"dmt\" if it is viscous, or \
+         set contact.law to \"dmt\" if the sample is viscous or a layer, else to \"auto\", or \
          sample.surface_energy to zero",
         pull * 1e9,
         load * 1e9
@@ -62,6 +64,23 @@ pub enum Warning {
         shown(*sample_modulus, Dimension::Pressure)
     )]
     RigidTip { sample_modulus: f64 },
+    /// The tip sinks in deeper than the series of a layer or of a hyperboloid reaches.
+    #[error(
+        "at an indentation of {} the {} is {ratio:.3}, beyond the {reach} to which the force is known: expect too large a \
+         force; see docs/model.md",
+        shown(*indentation, Dimension::Length),
+        match shape {
+            TipShape::Hyperboloid => "indentation times tan(half_angle)^2 over the tip radius",
+            _ => "contact radius over the layer's thickness",
+        }
+    )]
+    BeyondSeries { indentation: f64, ratio: f64, reach: f64, shape: TipShape },
+    /// A round tip on a layer is pulled as if the sample were thick.
+    #[error(
+        "the sample is a layer, and DMT's attraction is that of a thick sample: the force in contact is right for small \
+         adhesion only"
+    )]
+    AdhesiveLayer,
 }
 
 impl Contact {
@@ -73,6 +92,10 @@ impl Contact {
         if let Some(indentation) = indentation {
             warnings.extend(self.adhesion_warning(indentation));
             warnings.extend(self.strain_warning(indentation));
+            warnings.extend(self.series_warning(indentation));
+        }
+        if self.layer.is_some() && self.law.attraction() == Attraction::Distant && self.work > 0.0 {
+            warnings.push(Warning::AdhesiveLayer);
         }
         let sample_modulus = params.sample.youngs_modulus;
         let rigid = params.instrument.tip.youngs_modulus == f64::INFINITY;
@@ -82,9 +105,12 @@ impl Contact {
         warnings
     }
 
-    /// Whether the law fits Tabor's parameter.
+    /// Whether the law fits Tabor's parameter. It is a thick sample's; of a layer another warning tells.
     fn tabor_warning(&self) -> Option<Warning> {
         let (law, tabor) = (self.law, self.tabor());
+        if self.layer.is_some() {
+            return None;
+        }
         let wrong = match law.attraction() {
             Attraction::None => return None,
             Attraction::Contact => tabor < DMT_BELOW,
@@ -105,6 +131,20 @@ impl Contact {
         let pull = 2.0 * PI * self.work * self.radius;
         let load = self.force(indentation, true);
         (pull > NEGLIGIBLE_ADHESION * load).then_some(Warning::AdhesionLeftOut { pull, load })
+    }
+
+    /// Whether `indentation` leaves the range for which the law's series is fitted.
+    fn series_warning(&self, indentation: f64) -> Option<Warning> {
+        let shape = self.shape;
+        let (ratio, reach) = match (self.layer, shape) {
+            (Some(layer), _) => (self.contact_radius(indentation, true) / layer.thickness, LAYER_REACH),
+            (None, TipShape::Hyperboloid) => {
+                let tangent = self.half_angle.to_radians().tan();
+                (indentation * tangent * tangent / self.radius, HYPERBOLOID_REACH)
+            }
+            _ => return None,
+        };
+        (ratio > reach).then_some(Warning::BeyondSeries { indentation, ratio, reach, shape })
     }
 
     /// Whether `indentation` leaves the range of small strain ([`SMALL_STRAIN`]) under a round tip. The strain under a cone or

@@ -8,8 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
 use super::instrument_error::InstrumentError;
-use super::legendre::{gauss, legendre};
 use super::unit_modes::{MeshCache, UnitModes};
+use crate::legendre::{gauss, legendre};
 
 /// The clamped beam without a tip as its own modes of unit stiffness, dimensionless.
 #[derive(Clone, Debug)]

@@ -32,7 +32,6 @@ mod eigen;
 mod fluid;
 mod free_motion;
 mod instrument_error;
-mod legendre;
 mod lever;
 mod lever_scaling;
 mod mesh_refinement;

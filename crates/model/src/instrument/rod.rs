@@ -15,9 +15,9 @@ use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
 use super::instrument_error::InstrumentError;
-use super::legendre::{gauss, legendre};
 use super::secular::{Line, SecularPair, pairs};
 use super::unit_modes::{MeshCache, UnitModes, in_rows};
+use crate::legendre::{gauss, legendre};
 use crate::scene::ActuatorParams;
 
 /// How far above the instability the modulus must lie, relative: closer, the difference is rounding.

@@ -134,13 +134,7 @@ impl<'a> Section<'a> {
     }
 
     fn flag(&self, key: &str) -> Checked<Option<bool>> {
-        let Some(value) = self.table.get(key) else { return Ok(None) };
-        match value.get_ref().as_bool() {
-            Some(flag) => Ok(Some(flag)),
-            None => Err(values::unfit(value, format!("`design.{key}` is not true or false"))
-                .expected("true or false, without quotes")
-                .help("write one of the two")),
-        }
+        self.table.get(key).map(|value| values::flag(value, &format!("design.{key}"))).transpose()
     }
 
     fn settings(&self, all: &[Uncertain]) -> Checked<Settings> {

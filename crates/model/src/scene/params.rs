@@ -106,6 +106,10 @@ pub struct SampleParams {
     pub poisson_ratio: f64,
     pub adhesion: Adhesion,
     pub viscosity: Viscosity,
+    /// Of a layer on a rigid ground, m; without it the sample is a half-space.
+    pub thickness: Option<f64>,
+    /// Whether the layer is bonded to its ground; else it slides on it.
+    pub bonded: bool,
 }
 
 /// What a sample loses when it is deformed: a Kelvin-Voigt solid's viscosity in one of three forms, or a relaxing modulus.
@@ -323,6 +327,8 @@ impl Default for SampleParams {
             poisson_ratio: 0.5,
             adhesion: Adhesion::Work(2e-3),
             viscosity: Viscosity::None,
+            thickness: None,
+            bonded: true,
         }
     }
 }

@@ -23,5 +23,9 @@ pub(super) const RELAXATION: [&str; 2] = ["sample.instantaneous_modulus", "sampl
 pub(super) const TIP_SHAPE: &str = "instrument.tip.shape";
 pub(super) const HALF_ANGLE: &str = "instrument.tip.half_angle";
 
+/// The thickness of a layer, and whether it is bonded to its ground.
+pub(super) const THICKNESS: &str = "sample.thickness";
+pub(super) const BONDED: &str = "sample.bonded";
+
 /// The path of the contact law.
 pub(super) const LAW: &str = "contact.law";

@@ -68,7 +68,7 @@ impl Scene {
                     && (base.instrument.tip.youngs_modulus.is_finite()
                         || self.sweep.quantities().any(|axis| axis.path == "instrument.tip.youngs_modulus"))
             }
-            "instrument.tip.radius" => law != LawChoice::None && !base.instrument.tip.shape.has_angle(),
+            "instrument.tip.radius" => law != LawChoice::None && base.instrument.tip.shape.has_radius(),
             "instrument.tip.half_angle" => true,
             "instrument.tip.youngs_modulus" => law != LawChoice::None,
             "sample.surface_energy" | "sample.hamaker" => law.attraction() != Some(Attraction::None),

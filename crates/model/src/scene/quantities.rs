@@ -97,6 +97,10 @@ const TIP_ANGLE: Access = Access {
     get: |params, _| params.instrument.tip.half_angle,
     set: |params, _, value| params.instrument.tip.half_angle = Some(value),
 };
+const THICKNESS: Access = Access {
+    get: |params, _| params.sample.thickness,
+    set: |params, _, value| params.sample.thickness = Some(value),
+};
 const DEEPEST: Access = Access {
     get: |params, _| params.approach.deepest,
     set: |params, _, value| params.approach.deepest = Some(value),
@@ -228,6 +232,8 @@ quantities! {
         "sample Young's modulus before it relaxes", Pressure, Positive, [10.0, 2e12], MODULI;
     "sample.relaxation_time", member!(sample.viscosity, Viscosity::Relaxing, time, unknown_relaxation),
         "sample relaxation time", Time, Positive, [1e-13, 10.0], [1e-18, 1e6];
+    "sample.thickness", THICKNESS,
+        "thickness of a layer on a rigid ground", Length, Positive, [1e-9, 1e-3], PARTS;
     "contact.decay_length", field!(contact.decay_length),
         "decay length of the attraction", Length, Positive, [1e-12, 1e-8], [1e-16, 1e-6];
     "drive.frequency", variant!(drive.frequency, DriveFrequency::Hertz),

@@ -49,6 +49,7 @@ pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
     sample_rules::viscosity_fits(draft, sweep)?;
     sample_rules::relaxation_fits(draft, sweep)?;
     tip_rules::shape_fits(draft, sweep)?;
+    tip_rules::layer_fits(draft, sweep)?;
     axes_matter(draft)?;
     rod_is_stable(draft, sweep)
 }

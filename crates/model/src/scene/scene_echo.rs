@@ -43,6 +43,9 @@ impl Scene {
         self.write_section(text, "instrument.tip")?;
         writeln!(text, "\n[sample]")?;
         self.write_section(text, "sample")?;
+        if base.sample.thickness.is_some() || !base.sample.bonded {
+            writeln!(text, "bonded = {}", base.sample.bonded)?;
+        }
         writeln!(text, "\n[contact]\nlaw = {}", word(LawChoice::WORDS, base.contact.law))?;
         if !matches!(base.sample.viscosity, Viscosity::None | Viscosity::Relaxing { .. }) {
             let model = word(&VISCOUS, base.contact.viscosity_model);

@@ -5,7 +5,7 @@ use super::array_samples;
 use super::draft::{Draft, GivenSamples, Said, SampleArrays, keys_of};
 use super::levers::{self};
 use super::params::*;
-use super::paths::{TIP_SHAPE, VISCOSITY_MODEL};
+use super::paths::{BONDED, TIP_SHAPE, VISCOSITY_MODEL};
 use super::scene_error::{Checked, Fault, Faults, SceneError};
 use super::values::{self, Key, Value};
 use super::{
@@ -191,7 +191,13 @@ impl Draft {
         if let Some(value) = document.get("instrument") {
             self.instrument(value);
         }
-        self.section(document, "sample", &[]);
+        if let Some(table) = self.section(document, "sample", &["bonded"])
+            && let Some((key, value)) = table.get_key_value("bonded")
+            && let Some(bonded) = self.faults.take(values::flag(value, BONDED))
+        {
+            self.params.sample.bonded = bonded;
+            self.say(BONDED.to_owned(), key.span());
+        }
         if let Some(table) = self.section(document, "contact", &["law", "viscosity_model"]) {
             if let Some(law) = self.choice(table, "contact.law", LawChoice::WORDS) {
                 self.params.contact.law = law;

@@ -139,6 +139,7 @@ impl Texts<'_> {
             "contact" => {
                 vec![("law", word(LawChoice::WORDS)), ("viscosity_model", word(&VISCOUS))]
             }
+            "sample" => vec![("bonded", json!({ "type": "boolean" }))],
             "instrument.tip" => vec![("shape", word(&TipShape::WORDS))],
             "drive" => vec![("on", word(&DRIVE_ON))],
             "approach" => {

@@ -29,21 +29,29 @@ pub enum TipShape {
     Pyramid,
     /// With a flat round face.
     Punch,
+    /// A cone whose end is rounded: a hyperboloid of revolution.
+    Hyperboloid,
 }
 
 impl TipShape {
     /// Keywords of `instrument.tip.shape`.
-    pub(super) const WORDS: [(&str, Self); 5] = [
+    pub(super) const WORDS: [(&str, Self); 6] = [
         ("paraboloid", Self::Paraboloid),
         ("sphere", Self::Sphere),
         ("cone", Self::Cone),
         ("pyramid", Self::Pyramid),
         ("punch", Self::Punch),
+        ("hyperboloid", Self::Hyperboloid),
     ];
 
-    /// Whether a half-angle is what describes it.
+    /// Whether a half-angle belongs to what describes it.
     pub fn has_angle(self) -> bool {
-        matches!(self, Self::Cone | Self::Pyramid)
+        matches!(self, Self::Cone | Self::Pyramid | Self::Hyperboloid)
+    }
+
+    /// Whether a radius does.
+    pub fn has_radius(self) -> bool {
+        !matches!(self, Self::Cone | Self::Pyramid)
     }
 }
 

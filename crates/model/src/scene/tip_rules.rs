@@ -1,9 +1,9 @@
-//! What a scene says of its tip's shape, and what goes with it.
+//! What a scene says of its tip's shape and of a layer under it, and what goes with them.
 
 use super::SweptAxes;
 use super::draft::Draft;
 use super::params::*;
-use super::paths::{HALF_ANGLE, RELAXATION, TIP_SHAPE, VISCOSITIES};
+use super::paths::{BONDED, HALF_ANGLE, RELAXATION, THICKNESS, TIP_SHAPE, VISCOSITIES};
 use super::sample_rules::{beside_law, laws_of};
 use super::scene_error::{Checked, Fault};
 use crate::kernel::Law;
@@ -17,18 +17,18 @@ pub(super) fn shape_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let told = draft.place_of(TIP_SHAPE);
     if shape.has_angle() && angle.is_none() {
         return Err(Fault::at(told, "the tip's shape lacks its half-angle")
-            .label("a cone and a pyramid have one")
-            .expected("half_angle in [instrument.tip]: from the axis to the cone, or to the pyramid's face")
+            .label("a cone, a pyramid and a hyperboloid have one")
+            .expected("half_angle in [instrument.tip]: from the axis to the side, or to the pyramid's face")
             .help("add a line such as half_angle = \"20 deg\""));
     }
     if let (Some(said), false) = (angle, shape.has_angle()) {
         return Err(Fault::at(said.key.clone(), "`instrument.tip.half_angle` has no effect here")
             .label("this tip has no half-angle")
-            .expected("shape = \"cone\" or shape = \"pyramid\" in [instrument.tip]")
+            .expected("shape = \"cone\", \"pyramid\" or \"hyperboloid\" in [instrument.tip]")
             .help("set one of them, or remove this line"));
     }
-    if let Some(said) = draft.said.iter().find(|said| said.swept && said.path == RADIUS && shape.has_angle())
-    {
+    let pointed = !shape.has_radius();
+    if let Some(said) = draft.said.iter().find(|said| said.swept && said.path == RADIUS && pointed) {
         return Err(Fault::at(said.key.clone(), "`instrument.tip.radius` has no effect here")
             .label("a cone and a pyramid end in a point")
             .related(told, "the shape is chosen here")
@@ -39,6 +39,44 @@ pub(super) fn shape_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
         TipShape::Paraboloid => Ok(()),
         _ => law_fits(draft, sweep, shape),
     }
+}
+
+/// A layer is pressed by a tip and under a law that know it.
+pub(super) fn layer_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
+    let Some(said) = draft.first_of(&[THICKNESS]) else {
+        return match draft.first_of(&[BONDED]) {
+            Some(bonded) => Err(Fault::at(bonded.key.clone(), "`sample.bonded` has no effect here")
+                .label("the sample is thick: it has no ground")
+                .expected("a layer on a rigid ground")
+                .help("add its thickness to [sample], or remove this line")),
+            None => Ok(()),
+        };
+    };
+    let fault = |title: &str, why: &str| Fault::at(said.key.clone(), title).label(why);
+    if let Some(loss) = draft.first_of(&VISCOSITIES).or(draft.first_of(&RELAXATION)) {
+        return Err(fault("a layer cannot have losses", "its contact is known for an elastic sample alone")
+            .related(loss.key.clone(), "the sample has losses here")
+            .expected("an elastic layer, or a thick sample")
+            .help("remove the thickness, or the sample's losses"));
+    }
+    let shape = draft.params.instrument.tip.shape;
+    if !matches!(shape, TipShape::Paraboloid | TipShape::Cone) {
+        return Err(fault("a layer is not known under this tip", "its force is known for two shapes")
+            .related(draft.place_of(TIP_SHAPE), "the shape is chosen here")
+            .expected("shape = \"paraboloid\", which is the default, or \"cone\" in [instrument.tip]")
+            .help("take one of these shapes, or remove the thickness"));
+    }
+    let misfit = laws_of(draft, sweep)
+        .into_iter()
+        .find(|choice| !choice.law().is_some_and(|law| !law.acts() || law.shaped().is_some()));
+    let Some(choice) = misfit else { return Ok(()) };
+    let why = match choice.law() {
+        None => "law = \"auto\" may choose JKR, which is known for a thick sample alone",
+        Some(_) => "JKR is known for a thick sample alone",
+    };
+    Err(beside_law(fault("the law does not know a layer", why), draft)
+        .expected("law = \"hertz\" or law = \"dmt\" in [contact]")
+        .help("set one of them, or remove the thickness"))
 }
 
 fn law_fits(draft: &Draft, sweep: &SweptAxes, shape: TipShape) -> Checked<()> {

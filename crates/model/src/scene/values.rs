@@ -176,6 +176,15 @@ pub(super) fn keyword<T: Copy>(value: &Value, path: &str, words: &[(&str, T)]) -
     })
 }
 
+/// True or false.
+pub(super) fn flag(value: &Value, path: &str) -> Checked<bool> {
+    value.get_ref().as_bool().ok_or_else(|| {
+        unfit(value, format!("`{path}` is not true or false"))
+            .expected("true or false, without quotes")
+            .help("write one of the two")
+    })
+}
+
 /// Refuses keys that a section does not have.
 pub(super) fn no_others(table: &DeTable, section: &str, known: &[&str]) -> Checked<()> {
     match table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
@@ -188,8 +197,7 @@ pub(super) fn no_others(table: &DeTable, section: &str, known: &[&str]) -> Check
 pub(super) fn unknown_key(key: &Key, section: &str, known: &[&str]) -> Box<Fault> {
     let found = key.get_ref().as_ref();
     let place = if section.is_empty() { "the scene".to_string() } else { format!("[{section}]") };
-    let help = aside(section, found)
-        .or_else(|| synonyms::help(found, known.iter().copied()))
+    let help = synonyms::help(found, known.iter().copied())
         .or_else(|| nearest(found, known.iter().copied()).map(|meant| format!("did you mean `{meant}`?")))
         .or_else(|| home_of(found).map(|home| format!("`{found}` belongs in [{home}]")))
         .or_else(|| elsewhere(found));
@@ -198,14 +206,6 @@ pub(super) fn unknown_key(key: &Key, section: &str, known: &[&str]) -> Box<Fault
         .expected(format!("one of {}", known.join(", ")))
         .help("remove the line, or put one of these keys")
         .maybe_help(help)
-}
-
-/// What to know of a key that another section has, and this one cannot.
-fn aside(section: &str, key: &str) -> Option<String> {
-    let thickness = (section, key) == ("sample", "thickness");
-    thickness.then(|| {
-        "the sample is thick and flat: the laws know no layer on a ground (docs/model.md)".to_owned()
-    })
 }
 
 /// Where what the word stands for has its place.

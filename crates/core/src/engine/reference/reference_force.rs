@@ -2,6 +2,7 @@
 
 use crate::contact::{Contact, Law};
 use crate::kernel::LENGTH;
+use crate::kernel::contact::POWERS;
 use crate::scene::TipShape;
 use std::f64::consts::PI;
 
@@ -60,13 +61,23 @@ pub(super) enum Indenter {
     Power { factor: f64, power: i32 },
     /// In the contact radius: delta = a atanh(a/R), f = E* ((a^2 + R^2) atanh(a/R) - a R).
     Sphere { modulus: f64, radius: f64 },
+    /// In s = a/A: delta = (A^2/R) s atan(s), f = E* (A^3/R) (s + (s^2 - 1) atan(s)), with A = R/tan(alpha).
+    Hyperboloid { modulus: f64, radius: f64, axis: f64 },
+    /// f = sum c_n delta^(n/2), n from 2 on: a tip on a layer, of which this series is the model.
+    Series { coefficients: [f64; POWERS] },
 }
 
 impl Indenter {
     fn new(contact: &Contact) -> Self {
         let modulus = 0.75 * contact.modulus;
         let tangent = contact.half_angle.to_radians().tan();
+        if let (Some(law), Some(_)) = (contact.shaped(), contact.layer) {
+            return Self::Series { coefficients: *law.coefficients() };
+        }
         match contact.shape {
+            TipShape::Hyperboloid => {
+                Self::Hyperboloid { modulus, radius: contact.radius, axis: contact.radius / tangent }
+            }
             TipShape::Paraboloid | TipShape::Sphere => Self::Sphere { modulus, radius: contact.radius },
             TipShape::Cone => Self::Power { factor: 2.0 / PI * modulus * tangent, power: 2 },
             TipShape::Pyramid => Self::Power { factor: 0.7453 * modulus * tangent, power: 2 },
@@ -77,6 +88,28 @@ impl Indenter {
     fn force(self, delta: f64) -> f64 {
         match self {
             Self::Power { factor, power } => factor * delta.powi(power),
+            Self::Hyperboloid { modulus, radius, axis } => {
+                let depth = delta * radius / (axis * axis);
+                // s atan(s) rises and bends upwards at first: Newton's method, kept above zero.
+                let mut s = depth.sqrt().max(2.0 / PI * depth);
+                for _ in 0..60 {
+                    let angle = s.atan();
+                    let step = (s * angle - depth) / (angle + s / (1.0 + s * s));
+                    s = (s - step).max(0.1 * s);
+                    if step.abs() <= 2.0 * f64::EPSILON * s {
+                        break;
+                    }
+                }
+                let square = s * s;
+                let series =
+                    4.0 / 3.0 - square * (8.0 / 15.0 - square * (12.0 / 35.0 - square * (16.0 / 63.0)));
+                let sum = if s < 0.03 { series * square * s } else { s + (square - 1.0) * s.atan() };
+                modulus * axis.powi(3) / radius * sum
+            }
+            Self::Series { coefficients } => {
+                let terms = coefficients.iter().enumerate();
+                terms.map(|(n, factor)| factor * delta.powf(0.5 * n as f64 + 1.0)).sum()
+            }
             Self::Sphere { modulus, radius } => {
                 let depth = delta / radius;
                 // By t = atanh(a/R): t tanh(t) = depth, which rises and bends upwards: Newton's method comes from above.
