@@ -116,7 +116,7 @@ fn cure(word: &str) -> &'static str {
             "adhesion off by up to a third: run the other law as well to see what depends on it"
         }
         "adhesion_left_out" => {
-            "set contact.law to \"auto\" if the sample is elastic, to \"dmt\" if it is viscous, or sample.surface_energy to zero"
+            "set contact.law to \"dmt\" if the sample is viscous or a layer, else to \"auto\", or sample.surface_energy to zero"
         }
         "large_strain" => "beyond small strain: expect an error in the force of 1 % or more",
         "beyond_series" => {
