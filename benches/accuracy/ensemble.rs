@@ -100,8 +100,8 @@ pub struct Only {
 }
 
 impl Only {
-    fn laws(&self) -> impl Iterator<Item = &'static str> + '_ {
-        LAWS.into_iter().filter(|law| self.law.as_deref().is_none_or(|only| only == *law))
+    fn laws(&self) -> Vec<&str> {
+        self.law.as_deref().map_or(LAWS.to_vec(), |law| vec![law])
     }
 
     fn wants(&self, accuracy: f64) -> bool {
@@ -113,7 +113,7 @@ impl Only {
 pub fn run(ensemble: &Ensemble, only: &Only, count: usize, waits: usize, seed: u64) -> Vec<Value> {
     println!("{count} random instances for each law, seed {seed}");
     println!(
-        "{:<6}{:>8}{:>6}{:>9}{:>9}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>8}{:>12}",
+        "{:<15}{:>8}{:>6}{:>9}{:>9}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>8}{:>12}",
         "law",
         "asked",
         "ok",
@@ -222,11 +222,15 @@ fn unsteady(run: &RunResult, count: usize) -> [usize; 2] {
 
 fn row(wide: &Wide, run: &RunResult, truths: &[Option<Finished>], seconds: f64) -> Value {
     let (Wide { law, count, accuracy, .. }, plan) = (*wide, &run.plan);
-    let (mut errors, mut low, mut steps, mut others) = (Vec::new(), 0, 0.0, 0);
+    let (mut errors, mut low, mut steps, mut others, mut beyond) = (Vec::new(), 0, 0.0, 0, 0);
     for (i, truth) in truths.iter().enumerate() {
         let ours = &run.results.get(i);
         steps += f64::from(run.plan.steps(i as u32)) / count as f64;
         let Some(truth) = truth.as_ref().filter(|_| ours.status == Status::Ok) else { continue };
+        if run.plan.contact(i as u32).series_warning(truth.measured.indentation_max).is_some() {
+            beyond += 1;
+            continue;
+        }
         let apart = |truth: &Finished| {
             let scales = Scales::of(&run.plan, i, &truth.measured);
             worst(&plan.observables, &ours.measured, &truth.measured, &scales)
@@ -266,11 +270,11 @@ fn row(wide: &Wide, run: &RunResult, truths: &[Option<Finished>], seconds: f64) 
         .count();
     let [median, p95, largest] = [0.5, 0.95, 1.0].map(|share| quantile(&errors, share));
     println!(
-        "{law:<6}{accuracy:>8.0e}{:>6}{:>9}{:>9}{:>9}{median:>10.1e}{p95:>10.1e}{largest:>10.1e}{:>8}{:>8}{low:>10}{steps:>11.0}{single:>8}{seconds:>12.2}",
+        "{law:<15}{accuracy:>8.0e}{:>6}{:>9}{:>9}{:>9}{median:>10.1e}{p95:>10.1e}{largest:>10.1e}{:>8}{:>8}{low:>10}{steps:>11.0}{single:>8}{seconds:>12.2}",
         errors.len(),
         with(Status::AccuracyNotMet),
         with(Status::NotSteady),
-        with(Status::Ok) - errors.len() - free,
+        with(Status::Ok) - errors.len() - free - beyond,
         above(1.0),
         above(3.0),
     );
@@ -285,7 +289,8 @@ fn row(wide: &Wide, run: &RunResult, truths: &[Option<Finished>], seconds: f64) 
         "sensitive": with(Status::Sensitive),
         "another_state": others,
         "free": free,
-        "no_truth": with(Status::Ok) - errors.len() - free,
+        "beyond_series": beyond,
+        "no_truth": with(Status::Ok) - errors.len() - free - beyond,
         "median": median,
         "p95": p95,
         "largest": largest,

@@ -120,7 +120,7 @@ fn cure(word: &str) -> &'static str {
         }
         "large_strain" => "beyond small strain: expect an error in the force of 1 % or more",
         "beyond_series" => {
-            "deeper than the force of the layer or of the hyperboloid is known: it counts too large"
+            "deeper than the force on the layer, or of the hyperboloid or sphere, is known: do not trust it"
         }
         "adhesive_layer" => "the attraction is that of a thick sample",
         "rigid_tip" => "give the tip its youngs_modulus and poisson_ratio",

@@ -13,6 +13,9 @@ use std::f64::consts::PI;
 /// to 3e-8.
 const SPHERE: [f64; 5] = [1.0, -0.1, -0.00118909154558, 0.000716456918101, 0.000231638139019];
 
+/// The largest `delta/R` for which a sphere's series is fitted: half of it has sunk in.
+pub const SPHERE_REACH: f64 = 1.0;
+
 /// By how much a hyperboloid's force exceeds its apex's: factors of `x^(k/2)`, `x = delta tan(alpha)^2/R`, k = 0 to 8.
 ///
 /// Fitted to Sneddon's solution up to `x = HYPERBOLOID_REACH`; there the force is right to 2e-6.

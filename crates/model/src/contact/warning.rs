@@ -3,6 +3,7 @@
 use super::tabor::fitting_law;
 use super::{
     Attraction, Contact, DMT_BELOW, HYPERBOLOID_REACH, JKR_ABOVE, LAYER_REACH, Law, NEGLIGIBLE_ADHESION,
+    SPHERE_REACH,
 };
 use crate::scene::{LawChoice, Params, TipShape};
 use crate::units::{Dimension, shown};
@@ -64,13 +65,14 @@ pub enum Warning {
         shown(*sample_modulus, Dimension::Pressure)
     )]
     RigidTip { sample_modulus: f64 },
-    /// The tip sinks in deeper than the series of a layer or of a hyperboloid reaches.
+    /// The tip sinks in deeper than the series of a layer, a hyperboloid or a sphere reaches.
     #[error(
-        "at an indentation of {} the {} is {ratio:.3}, beyond the {reach} to which the force is known: expect too large a \
-         force; see docs/model.md",
+        "at an indentation of {} the {} is {ratio:.3}, beyond the {reach} to which the force is known: do not trust it; see \
+         docs/model.md",
         shown(*indentation, Dimension::Length),
         match shape {
             TipShape::Hyperboloid => "indentation times tan(half_angle)^2 over the tip radius",
+            TipShape::Sphere => "indentation over the sphere's radius",
             _ => "contact radius over the layer's thickness",
         }
     )]
@@ -134,7 +136,7 @@ impl Contact {
     }
 
     /// Whether `indentation` leaves the range for which the law's series is fitted.
-    fn series_warning(&self, indentation: f64) -> Option<Warning> {
+    pub fn series_warning(&self, indentation: f64) -> Option<Warning> {
         let shape = self.shape;
         let (ratio, reach) = match (self.layer, shape) {
             (Some(layer), _) => (self.contact_radius(indentation, true) / layer.thickness, LAYER_REACH),
@@ -142,6 +144,7 @@ impl Contact {
                 let tangent = self.half_angle.to_radians().tan();
                 (indentation * tangent * tangent / self.radius, HYPERBOLOID_REACH)
             }
+            (None, TipShape::Sphere) => (indentation / self.radius, SPHERE_REACH),
             _ => return None,
         };
         (ratio > reach).then_some(Warning::BeyondSeries { indentation, ratio, reach, shape })

@@ -1,11 +1,11 @@
 //! What a scene says of a sample's losses, and the laws that know them.
 
-use super::SweptAxes;
 use super::axis_zip::law_of;
 use super::draft::Draft;
 use super::params::*;
 use super::paths::{LAW, RELAXATION, VISCOSITIES, VISCOSITY_MODEL};
 use super::scene_error::{Checked, Fault};
+use super::{Axis, Layout, SweptAxes};
 use crate::kernel::Law;
 
 /// The laws of a scene's instances.
@@ -83,13 +83,31 @@ pub(super) fn relaxation_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let Viscosity::Relaxing { modulus, .. } = draft.params.sample.viscosity else { return Ok(()) };
     let relaxed = values("sample.youngs_modulus", draft.params.sample.youngs_modulus);
     let at_once = values(RELAXATION[0], modulus);
-    let (most, least) =
-        (relaxed.into_iter().fold(0.0, f64::max), at_once.into_iter().fold(f64::INFINITY, f64::min));
-    if least < most {
+    let stiffens = match vary_together(sweep, "sample.youngs_modulus", RELAXATION[0]) {
+        true => relaxed.into_iter().zip(at_once).find(|(relaxed, at_once)| at_once < relaxed),
+        false => {
+            let most = relaxed.into_iter().fold(0.0, f64::max);
+            let least = at_once.into_iter().fold(f64::INFINITY, f64::min);
+            (least < most).then_some((most, least))
+        }
+    };
+    if let Some((most, least)) = stiffens {
         return Err(Fault::at(said.key.clone(), "a sample cannot stiffen as it relaxes")
             .label(format!("found instantaneous_modulus {least:.4e} Pa below youngs_modulus {most:.4e} Pa"))
-            .expected("instantaneous_modulus at least as large as every youngs_modulus of the scene")
+            .expected("instantaneous_modulus at least as large as youngs_modulus in every case of the scene")
             .help("youngs_modulus is the modulus after a while, instantaneous_modulus that at once"));
     }
     Ok(())
+}
+
+/// Whether each value of one quantity goes with one value of the other, as the columns of a list do.
+fn vary_together(sweep: &SweptAxes, one: &str, other: &str) -> bool {
+    let axis = |path: &str| {
+        let has = |axis: &Axis| axis.path == path || axis.columns.iter().any(|column| column.path == path);
+        sweep.axes.iter().position(has)
+    };
+    match (axis(one), axis(other)) {
+        (Some(one), Some(other)) => one == other || sweep.layout == Layout::List,
+        _ => false,
+    }
 }
