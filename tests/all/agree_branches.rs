@@ -207,6 +207,28 @@ fn a_followed_branch_has_no_holes() {
     }
 }
 
+/// Truth: the grid of the same gaps, in which second states are followed from neighbours. Alone a gap has no neighbour, and in
+/// most of this range the search from rest ends in the first state again.
+#[test]
+fn a_gap_alone_has_the_states_that_it_has_in_a_grid() {
+    let (_, all) = run(&scene(ONE_MODE, &[20.0], "from = \"14 nm\", to = \"21 nm\", points = 29"), 1);
+    let (mut seconds, mut along_gap) = (0, 0);
+    for n in (0..29).step_by(4) {
+        let gap = 14.0 + 0.25 * f64::from(n);
+        let (_, alone) = run(&scene(ONE_MODE, &[20.0], &format!("values = [\"{gap} nm\"]")), 1);
+        let truth = all.orbits.iter().find(|one| one.instance == n);
+        assert_eq!(alone.orbits.len(), usize::from(truth.is_some()), "{gap} nm");
+        if let (Some(truth), [alone]) = (truth, &alone.orbits[..]) {
+            let [ours, theirs] = [alone, truth].map(|one| one.finished.measured.harmonics[0]);
+            assert!((ours - theirs).abs() < 1e-3 * 20e-9, "{gap} nm: {ours:e} {theirs:e}");
+            seconds += 1;
+        }
+        along_gap += alone.along_gap;
+    }
+    println!("{seconds} second states, {along_gap} of them along the gap");
+    assert!(seconds >= 2 && along_gap > 0, "{seconds} {along_gap}");
+}
+
 /// Waves go by instance numbers: threads change no bit.
 #[test]
 fn following_does_not_depend_on_threads() {

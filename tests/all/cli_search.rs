@@ -91,9 +91,9 @@ fn second_states_stand_over_the_dimensions_of_the_first() {
     }
 }
 
-/// A list has no neighbours: the run says that nothing was followed.
+/// A list has no neighbours: the run says where its second states come from.
 #[test]
-fn a_list_is_left_at_the_searches_from_rest_and_says_so() {
+fn a_list_is_searched_from_rest_and_along_the_gap_and_says_so() {
     let desk = Desk::new();
     let text = std::fs::read_to_string(program::scene("bistable.toml")).unwrap();
     let (text, _) = text.split_once("waveforms").unwrap();
@@ -102,7 +102,7 @@ fn a_list_is_left_at_the_searches_from_rest_and_says_so() {
     let text = text.replace("[sweep]", "[samples]").replace(sweep, "\"approach.gap\" = [\"5 nm\", \"6 nm\"]");
     let scene = desk.write("list.toml", &text);
     let words = desk.works(&["run", scene.to_str().unwrap(), "--no-audit", "-o", "list.h5"]).err;
-    assert!(words.contains("no grid whose neighbours could be followed"), "{words}");
+    assert!(words.contains("(group other_branch): 2 from rest, 0 along the gap"), "{words}");
     let other = read(&desk.path("list.h5")).unwrap().other_branch.expect("the group");
     assert_eq!(other.status.len(), 2);
 }

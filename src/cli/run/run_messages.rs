@@ -152,10 +152,10 @@ fn searched(swept: &JournaledOutcome, voice: Verbosity) -> anyhow::Result<()> {
     if let Some(others) = others {
         let ways = match others.grid {
             true => format!(
-                "{} from rest, {} of {} searches from neighbours",
-                others.from_rest, others.followed, others.tried
+                "{} from rest, {} of {} searches from neighbours, {} along the gap",
+                others.from_rest, others.followed, others.tried, others.along_gap
             ),
-            false => "searched for from rest; no grid whose neighbours could be followed".into(),
+            false => format!("{} from rest, {} along the gap", others.from_rest, others.along_gap),
         };
         let count = instances(others.orbits.len());
         voice

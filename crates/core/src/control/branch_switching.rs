@@ -1,5 +1,5 @@
 //! The second periodic state of a bistable instance. Searches start from the lever at rest, then from second states of
-//! neighbours in the sweep.
+//! neighbours in the sweep, then from gaps at which only the other branch is.
 
 use super::chunk::ChunkJournal;
 use super::difference_scale::scaled_difference;
@@ -8,17 +8,29 @@ use super::search_checkpoints::CheckpointedSearch;
 use super::second_orbit::{SecondOrbits, SecondState};
 use super::{RunResult, second_refinement};
 use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::kernel::Attraction;
 use crate::observe::Status;
 use crate::orbit::{self, Jacobian, PeriodicState};
 use crate::plan::{Plan, SectionState};
 use std::collections::BTreeMap;
 
+/// Searches along the gap from another gap to an instance's own.
+const GAP_STEPS: usize = 12;
+/// Most instances of a grid that are searched along the gap. The others are then followed from them.
+const ALONG_GAP: usize = 256;
+/// Where these searches begin, in free amplitudes: far away, where a tip that feels attraction hardly does so, or where it just
+/// touches; and close to the surface, in gaps of the instance.
+const FAR: f64 = 1.05;
+const GRAZING: f64 = 0.98;
+const CLOSE: f64 = 0.2;
+
 /// Second states of the instances of a finished run. Searches first start from the lever at rest with the steps of the run.
 /// Every instance without a second state is then searched again from those states of its neighbours, first or second, that
 /// lie on another branch than its own. Each state so found is a neighbour for the next wave, until nothing is left to try.
+/// What is still alone under a law with adhesion is searched along the gap; of a grid, some spread evenly over it.
 ///
 /// `shape` has the lengths of the sweep's axes, the last running fastest. Neighbours are one apart along one axis. A list of
-/// samples has an empty `shape` and no neighbours, so only the searches from rest run.
+/// samples has an empty `shape` and no neighbours.
 ///
 /// `keep` provides the searches of an earlier run and receives each new one. A stopped run returns what it knows; a state
 /// that is not finished has the status not_run.
@@ -36,7 +48,8 @@ pub fn second_orbits(
     let plan: &Plan = &run.plan;
     let instances = candidates(plan, run.results.statuses());
     let pieces = CheckpointedSearch::new(keep, engine, progress);
-    let mut hunt = BranchSwitching { run, seconds: BTreeMap::new(), incomplete: false };
+    let tried = vec![0; plan.len()];
+    let mut hunt = BranchSwitching { run, seconds: BTreeMap::new(), tried, incomplete: false };
     let mut all = SecondOrbits::default();
     match run.from_rest.is_empty() {
         true => {
@@ -57,9 +70,14 @@ pub fn second_orbits(
         }
     }
     all.from_rest = hunt.count();
-    if let Some(neighbours) = GridAdjacency::of(shape, plan.len()) {
-        all.grid = true;
-        hunt.follow(&instances, &neighbours, &mut all, &pieces)?;
+    let neighbours = GridAdjacency::of(shape, plan.len());
+    all.grid = neighbours.is_some();
+    if let Some(neighbours) = &neighbours {
+        hunt.follow(&instances, neighbours, &mut all, &pieces)?;
+    }
+    all.along_gap = hunt.along_gap(&instances, all.grid, &pieces)?;
+    if let (Some(neighbours), true) = (&neighbours, all.along_gap > 0) {
+        hunt.follow(&instances, neighbours, &mut all, &pieces)?;
     }
     all.orbits = second_refinement::estimated(run, hunt.seconds, &pieces)?;
     all.notes = pieces.notes.into_inner();
@@ -115,6 +133,8 @@ fn trial_bit(side: u32, which: OrbitNumber) -> u64 {
 struct BranchSwitching<'a> {
     run: &'a RunResult,
     seconds: BTreeMap<u32, SecondState>,
+    /// For each instance, the neighbours' states from which it has been searched.
+    tried: Vec<u64>,
     /// Whether a search was skipped. What would follow from it is then unknown.
     incomplete: bool,
 }
@@ -150,14 +170,12 @@ impl BranchSwitching<'_> {
     ) -> Result<(), EngineError> {
         let mut may = vec![false; self.run.plan.len()];
         instances.iter().for_each(|i| may[*i as usize] = true);
-        // For each instance, the neighbours' states from which it has been searched.
-        let mut tried = vec![0u64; self.run.plan.len()];
         let mut look: Vec<u32> = instances.to_vec();
         while !look.is_empty() && !self.incomplete {
             let mut wave = Vec::new();
             for &i in look.iter().filter(|i| !self.seconds.contains_key(i)) {
-                if let Some((side, j, which)) = self.candidate(i, neighbours, tried[i as usize]) {
-                    tried[i as usize] |= trial_bit(side, which);
+                if let Some((side, j, which)) = self.candidate(i, neighbours, self.tried[i as usize]) {
+                    self.tried[i as usize] |= trial_bit(side, which);
                     wave.push(SwitchingTrial { instance: i, side, neighbour: j, which });
                 }
             }
@@ -170,6 +188,76 @@ impl BranchSwitching<'_> {
             look.dedup();
         }
         Ok(())
+    }
+
+    /// Searches from a gap at which only the other branch is, in steps to the instance's own: from far away where the first
+    /// state is repulsive, else from close to the surface. Returns how many second states are found.
+    fn along_gap(
+        &mut self,
+        instances: &[u32],
+        grid: bool,
+        pieces: &CheckpointedSearch,
+    ) -> Result<usize, EngineError> {
+        let plan = &self.run.plan;
+        let alone = |i: &u32| {
+            let adheres = plan.case(*i).contact.law.attraction() != Attraction::None;
+            adheres && plan.case(*i).gap > 0.0 && !self.seconds.contains_key(i)
+        };
+        let open: Vec<u32> = instances.iter().copied().filter(alone).collect();
+        let every = if grid { open.len().div_ceil(ALONG_GAP).max(1) } else { 1 };
+        let mut numbers: Vec<u32> = open.into_iter().step_by(every).collect();
+        let mut before: Option<(Plan, Vec<PeriodicState>)> = None;
+        let mut found = 0;
+        for step in 1..=GAP_STEPS {
+            if numbers.is_empty() || self.incomplete {
+                break;
+            }
+            let left = 1.0 - step as f64 / GAP_STEPS as f64;
+            let gaps: Vec<f64> = numbers.iter().map(|i| self.gap_towards(*i, left)).collect();
+            let part = plan.part(&numbers).with_gaps(&gaps);
+            let place = |n: u32| match &before {
+                Some((there, states)) => {
+                    orbit::transfer_orbit_corrected((there, n, &states[n as usize]), &[], &part, n)
+                }
+                None => SectionState::free(&part, n),
+            };
+            let places: Vec<SectionState> = part.instances().map(place).collect();
+            let (mut kept, mut states) = (Vec::new(), Vec::new());
+            for (n, one) in pieces.solve_from_sections(&part, &places)?.into_iter().enumerate() {
+                let Some((finished, state)) = one else {
+                    self.incomplete = true;
+                    continue;
+                };
+                if step == GAP_STEPS {
+                    found += usize::from(self.take(numbers[n], finished, state));
+                } else if let (true, Some(state)) = (finished.status.is_steady(), state) {
+                    kept.push(n as u32);
+                    states.push(*state);
+                }
+            }
+            numbers = kept.iter().map(|n| numbers[*n as usize]).collect();
+            before = Some((
+                part.part(&kept).with_gaps(&kept.iter().map(|n| gaps[*n as usize]).collect::<Vec<_>>()),
+                states,
+            ));
+        }
+        Ok(found)
+    }
+
+    /// The gap when so large a share of the way along the gap is left.
+    fn gap_towards(&self, i: u32, left: f64) -> f64 {
+        let (plan, ours) = (&self.run.plan, self.run.results.get(i as usize));
+        let case = plan.case(i);
+        let free = plan.driven(i).free_amplitude();
+        let from = match (
+            ours.measured.force_mean < 0.0 && ours.status.is_steady(),
+            case.contact.law.attraction(),
+        ) {
+            (true, _) => CLOSE * case.gap,
+            (false, Attraction::Distant) => FAR * free.max(case.gap),
+            (false, _) => GRAZING * free,
+        };
+        case.gap + left * (from - case.gap)
     }
 
     /// Searches from neighbours' states. Returns the instances that now have a second state.

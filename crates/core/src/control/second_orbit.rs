@@ -26,6 +26,8 @@ pub struct SecondOrbits {
     /// Number of searches from neighbours' states, and number of these that found another state.
     pub tried: usize,
     pub followed: usize,
+    /// Number of states that searches along the gap found.
+    pub along_gap: usize,
     /// Whether there were neighbours to follow.
     pub grid: bool,
     /// Messages for the user, one line each.
