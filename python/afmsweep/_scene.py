@@ -129,6 +129,9 @@ def run_options(
     resume: bool = False,
 ) -> dict[str, Any]:
     """How a scene is run, see `run`."""
+    for name, count, least in (("threads", threads, 1), ("audit", audit, 0)):
+        if count is not None and count < least:
+            raise ValueError(f"{name} is {count}: give None, or a whole number of at least {least}")
     return {
         "backend": backend,
         "precision": precision,

@@ -12,8 +12,10 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|candidate| {
             // A word cut short or drawn out, as "linear" for "lin", is as near as one slip.
             let other = candidate.to_lowercase();
-            let cut = length.min(other.chars().count()) >= 3
-                && (wanted.starts_with(&other) || other.starts_with(&wanted));
+            let rest = wanted.strip_prefix(&other).or(other.strip_prefix(&wanted));
+            // The section of a path is no such word.
+            let cut =
+                length.min(other.chars().count()) >= 3 && rest.is_some_and(|rest| !rest.starts_with('.'));
             // Letters to insert, drop, change or swap with their neighbour to turn one word into the other.
             let distance = strsim::osa_distance(&wanted, &other);
             (if cut { distance.min(1) } else { distance }, candidate)

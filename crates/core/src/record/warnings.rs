@@ -4,9 +4,9 @@ use super::instance_rows::{InstanceRows, RowView};
 use crate::contact::Warning;
 use crate::control::JournaledRun;
 use crate::engine::EngineError;
-use crate::observe::Observable;
+use crate::observe::{Observable, Status};
 use crate::plan::Plan;
-use crate::scene::{Cases, Params, Scene};
+use crate::scene::{Cases, ForceBranch, Params, Scene};
 use rayon::prelude::*;
 
 /// Names of the bits of `contact_warnings`.
@@ -39,6 +39,8 @@ pub struct LawWarnings {
     pub bits: Vec<u8>,
     /// Steps of all instances in all periods.
     pub instance_steps: u64,
+    /// How many instances hold a set-point of the motion on the attractive branch, and how many on the repulsive one.
+    held: [usize; 2],
 }
 
 impl LawWarnings {
@@ -46,8 +48,17 @@ impl LawWarnings {
     pub(super) fn of(scene: &Scene, rows: &InstanceRows) -> Result<Self, EngineError> {
         let (mut bits, mut steps) = (vec![0; rows.count()], 0);
         let cases = Cases::of(scene);
+        let (holds, statuses, mut held) = (scene.holds_motion(), rows.statuses(), [0; 2]);
         rows.each(true, &mut |instances, some| {
             let depths = some.observed(Observable::IndentationMax);
+            if holds {
+                let is_steady =
+                    |i: u32| Status::from_code(statuses[i as usize]).is_some_and(Status::is_steady);
+                let forces = instances.iter().zip(some.observed(Observable::ForceMean));
+                for (_, force) in forces.filter(|(i, force)| is_steady(**i) && *force != 0.0) {
+                    held[usize::from(force > 0.0)] += 1;
+                }
+            }
             let one = |params: &mut Params, n: usize| {
                 cases.put(params, instances[n] as usize);
                 let depth = depth(some, n, depths[n]);
@@ -62,12 +73,12 @@ impl LawWarnings {
         if bits.iter().all(|bits| *bits == 0) {
             bits = Vec::new();
         }
-        Ok(Self { bits, instance_steps: steps * u64::from(rows.plan().run.periods) })
+        Ok(Self { bits, held, instance_steps: steps * u64::from(rows.plan().run.periods) })
     }
 
     /// For each of [`WARNINGS`], how many instances have it, and the message of the first.
     pub(crate) fn lines(&self, scene: &Scene, run: &JournaledRun) -> Result<Vec<String>, EngineError> {
-        let mut lines = Vec::new();
+        let mut lines: Vec<String> = self.branch_line(scene, run.len()).into_iter().collect();
         for (number, word) in WARNINGS.iter().enumerate() {
             let mask = 1u8 << number;
             let Some(first) = self.bits.iter().position(|bits| bits & mask != 0) else { continue };
@@ -85,6 +96,31 @@ impl LawWarnings {
             });
         }
         Ok(lines)
+    }
+
+    /// What to know of the branch that holds a set-point.
+    fn branch_line(&self, scene: &Scene, all: usize) -> Option<String> {
+        let [attractive, repulsive] = self.held;
+        let (count, words) = match scene.base.approach.branch {
+            None => (
+                attractive,
+                "the set-point on the attractive branch, where the tip hovers or hardly touches: setpoint_branch = \
+                 \"repulsive\" asks for the other",
+            ),
+            Some(ForceBranch::Repulsive) => (
+                attractive,
+                "the set-point on the attractive branch: on the repulsive one, which is asked for, \
+                 none was found",
+            ),
+            Some(ForceBranch::Attractive) => (
+                repulsive,
+                "the set-point on the repulsive branch: on the attractive one, which is asked for, \
+                 none was found",
+            ),
+        };
+        let who =
+            if all == 1 { "the instance holds".into() } else { format!("{count} of {all} instances hold") };
+        (count > 0).then(|| format!("{who} {words} (branch tells which)"))
     }
 }
 

@@ -141,6 +141,12 @@ impl Scene {
         Cases::of(self).instance(index)
     }
 
+    /// Whether the amplitude, the deflection or the phase is held at a set-point, in some instances or in all.
+    pub fn holds_motion(&self) -> bool {
+        let held = self.base.approach.held.is_some_and(|held| !matches!(held, Held::Force(_)));
+        held || self.sweep.quantities().any(|axis| axis.path == "approach.setpoint")
+    }
+
     /// The swept values of an instance, as ` (sample.youngs_modulus = "1 GPa", ...)`; nothing without a sweep.
     pub fn described(&self, index: usize) -> String {
         let written = |(axis, at): (&Axis, usize)| axis.written(at);
