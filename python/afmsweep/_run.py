@@ -128,6 +128,8 @@ def _groups(
             partial = getattr(stop, "partial", None)
             with contextlib.suppress(AttributeError):
                 setattr(stop, "partial", make(partial) if isinstance(partial, list) else None)  # noqa: B010
+            if isinstance(stop, KeyboardInterrupt) and not stop.args:
+                stop.args = ("the run was stopped; its exception's `partial` has what is done by then",)
             raise
     for doubt in doubts:
         warnings.warn(doubt, SceneWarning, stacklevel=3)

@@ -55,7 +55,7 @@ impl LawWarnings {
                 let is_steady =
                     |i: u32| Status::from_code(statuses[i as usize]).is_some_and(Status::is_steady);
                 let forces = instances.iter().zip(some.observed(Observable::ForceMean));
-                for (_, force) in forces.filter(|(i, force)| is_steady(**i) && *force != 0.0) {
+                for (_, force) in forces.filter(|(i, force)| is_steady(**i) && force.abs() > 0.0) {
                     held[usize::from(force > 0.0)] += 1;
                 }
             }
