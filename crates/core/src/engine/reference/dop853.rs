@@ -7,6 +7,9 @@ pub(super) trait Rates {
     fn rates(&mut self, theta: f64, y: &[f64], out: &mut [f64]) -> f64;
 }
 
+/// Unknowns that are worked out side by side, in registers. Buffers have room for whole blocks of them.
+const BLOCK: usize = 8;
+
 /// Buffers of a step.
 pub(super) struct Dop853 {
     /// Rates at the stages.
@@ -24,6 +27,7 @@ pub(super) struct Dop853 {
 impl Dop853 {
     /// For up to `size` unknowns.
     pub fn new(size: usize) -> Self {
+        let size = size.next_multiple_of(BLOCK);
         Self {
             k: std::array::from_fn(|_| vec![0.0; size]),
             end: vec![0.0; size],
@@ -56,13 +60,19 @@ impl Dop853 {
     /// The largest ratio of the step's error to the allowed one over all unknowns: Hairer's mean of both estimates.
     pub fn error(&self, allowed: &[f64], h: f64) -> f64 {
         let (mut fifth, mut third) = (0f64, 0f64);
-        for (i, allowed) in allowed.iter().enumerate() {
-            let sum = |row: TableauRow| row.iter().map(|(j, e)| e * self.k[*j][i]).sum::<f64>();
-            let (five, three) =
-                (sum(ERROR_5) / allowed, (sum(STAGE[STAGES - 1]) - sum(EMBEDDED_3)) / allowed);
-            // Not max, which ignores NaN.
-            fifth = if five.abs() <= fifth { fifth } else { five.abs() };
-            third = if three.abs() <= third { third } else { three.abs() };
+        for (block, allowed) in allowed.chunks(BLOCK).enumerate() {
+            let from = block * BLOCK;
+            let (five, last, three) = (
+                weighed(&self.k, ERROR_5, from),
+                weighed(&self.k, STAGE[STAGES - 1], from),
+                weighed(&self.k, EMBEDDED_3, from),
+            );
+            for (n, allowed) in allowed.iter().enumerate() {
+                let (five, three) = (five[n] / allowed, (last[n] - three[n]) / allowed);
+                // Not max, which ignores NaN.
+                fifth = if five.abs() <= fifth { fifth } else { five.abs() };
+                third = if three.abs() <= third { third } else { three.abs() };
+            }
         }
         if fifth == 0.0 { 0.0 } else { h * fifth * fifth / fifth.hypot(0.1 * third) }
     }
@@ -89,16 +99,28 @@ impl Dop853 {
 }
 
 fn combine(out: &mut [f64], y: &[f64], k: &[Vec<f64>; EXTENDED], row: TableauRow, h: f64) {
-    let size = y.len();
-    out[..size].fill(0.0);
-    for (j, a) in row {
-        for (out, k) in out[..size].iter_mut().zip(&k[*j][..size]) {
-            *out += a * k;
+    for (block, y) in y.chunks(BLOCK).enumerate() {
+        let from = block * BLOCK;
+        let sums = weighed(k, row, from);
+        let out = &mut out[from..from + y.len()];
+        for n in 0..y.len() {
+            out[n] = y[n] + h * sums[n];
         }
     }
-    for (out, y) in out[..size].iter_mut().zip(y) {
-        *out = y + h * *out;
+}
+
+/// The weighted sums of the stages' rates, of the block of unknowns that begins at `from`.
+#[inline]
+fn weighed(k: &[Vec<f64>; EXTENDED], row: TableauRow, from: usize) -> [f64; BLOCK] {
+    let mut sums = [0.0; BLOCK];
+    for (j, weight) in row {
+        if let Some(rates) = k[*j][from..].first_chunk::<BLOCK>() {
+            for n in 0..BLOCK {
+                sums[n] += weight * rates[n];
+            }
+        }
     }
+    sums
 }
 
 /// One quantity over a step, a polynomial of degree 7.

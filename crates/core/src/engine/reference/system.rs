@@ -206,10 +206,10 @@ impl Rates for System {
         let memory = self.memory_of(y);
         let force = self.force.at(delta, || -rate() * self.omega, memory, self.touching);
         out[..n].copy_from_slice(v);
-        let bent = out[n..2 * n].iter_mut().zip(x).zip(v);
-        let constants = self.stiffness.iter().zip(&self.loss).zip(&self.push);
-        for (((out, x), v), ((stiffness, loss), push)) in bent.zip(constants) {
-            *out = push * force - loss * v - stiffness * x;
+        let (stiffness, loss, push) = (&self.stiffness[..n], &self.loss[..n], &self.push[..n]);
+        let bent = &mut out[n..2 * n];
+        for k in 0..n {
+            bent[k] = push[k] * force - loss[k] * v[k] - stiffness[k] * x[k];
         }
         if self.force.has_memory() {
             let rates = self.force.remembered(delta, force, memory).map(|rate| rate / self.omega);
