@@ -237,6 +237,18 @@ fn an_axis_switches_alternatives_as_the_file_would() {
 /// A lever by its calibration or its modes has a rod only where the scene names one.
 const ROD: &str = "[instrument]\npreset = \"ha-fung-chen-2005\"\n";
 
+/// A frequency without its kilo is a lever of milligrams, though each number alone is usual.
+#[test]
+fn a_lever_of_an_odd_mass_is_told() {
+    let of = |frequency: &str| {
+        let lever = format!("stiffness = \"2.8 N/m\"\nfrequency = \"{frequency}\"\nquality_factor = 180");
+        parse(&format!("[instrument.cantilever]\n{lever}\n[drive]\nbase_amplitude = \"1 nm\"\n")).warnings()
+    };
+    let said = of("75 Hz");
+    assert!(said.iter().any(|line| line.contains("effective mass of 12.6")), "{said:?}");
+    assert!(!of("75 kHz").iter().any(|line| line.contains("effective mass")));
+}
+
 #[test]
 fn every_quantity_can_be_written_swept_and_echoed() {
     for quantity in QUANTITIES {

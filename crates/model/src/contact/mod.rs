@@ -14,7 +14,7 @@
 //! |---|---|---|---|
 //! | [`Hertz`] | `K sqrt(R) delta^1.5` | 0 | no |
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
-//! | [`ShapedHertz`] | a tip of another shape, or a sample that is a thin [`Layer`]; with DMT's attraction under a round tip | as above | no |
+//! | [`ShapedHertz`] | a tip of another shape, or a thin [`Layer`]; DMT's attraction under a round tip | as above | no |
 //! | [`Viscous`] | those of Hertz and DMT with a term of the rate, see there | those | no |
 //! | [`RelaxingHertz`] | that of Hertz with a modulus that falls from one value to another | 0 | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |

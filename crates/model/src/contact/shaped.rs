@@ -179,7 +179,7 @@ mod tests {
         }
     }
 
-    /// Truth: Sneddon's solution in s = a/A, delta = (A^2/R) s atan(s), f = E* (A^3/R) (s + (s^2 - 1) atan(s)), A = R/tan(alpha).
+    /// Truth: Sneddon in s = a/A, A = R/tan(alpha): delta = (A^2/R) s atan(s), f = E* (A^3/R) (s + (s^2 - 1) atan(s)).
     #[test]
     fn exact_hyperboloid() {
         let law = contact(TipShape::Hyperboloid);

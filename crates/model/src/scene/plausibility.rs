@@ -6,12 +6,16 @@
 //! (`cli_sense::a_slip_of_nine_powers_is_refused`).
 
 use super::address::Address;
-use super::params::{ActuatorModel, LawChoice};
+use super::params::{ActuatorModel, LawChoice, LeverSpec};
 use super::quantity::Quantity;
 use super::scene_error::{Checked, Fault, line_column};
 use super::{Scene, Start};
 use crate::units::{Dimension, shown};
+use std::f64::consts::TAU;
 use std::ops::Range;
+
+/// Effective masses of levers, kg: from the smallest ones to tuning forks.
+const LEVER_MASS: [f64; 2] = [1e-17, 1e-6];
 
 /// Whether zero, infinite, or within the bounds but for its sign.
 fn within(value: f64, [least, most]: [f64; 2]) -> bool {
@@ -55,6 +59,7 @@ impl Scene {
     pub fn warnings(&self) -> Vec<String> {
         let mut lines: Vec<String> = self.said.iter().filter_map(|said| self.odd(said)).collect();
         lines.extend(self.drawn.odd.iter().map(|(key, line)| format!("{}: {line}", self.place(key))));
+        lines.extend(self.odd_lever());
         lines.extend(self.undamped_rod());
         lines
     }
@@ -84,6 +89,26 @@ impl Scene {
         let text = self.source.strip_prefix('\u{FEFF}').unwrap_or(&self.source);
         let (line, column) = line_column(text, key.start);
         format!("{}:{line}:{column}", self.path.display())
+    }
+
+    /// Stiffness and frequency that are each usual, and together no lever's: a unit may lack its prefix.
+    fn odd_lever(&self) -> Option<String> {
+        const PATH: &str = "instrument.cantilever.frequency";
+        let LeverSpec::Calibrated { stiffness, frequency } = self.base.instrument.cantilever.lever else {
+            return None;
+        };
+        let mass = stiffness / (TAU * frequency).powi(2);
+        let said = self.said.iter().find(|said| said.path == PATH && !said.swept)?;
+        (!within(mass, LEVER_MASS)).then(|| {
+            format!(
+                "{}: a lever of {} at {} has an effective mass of {}, beyond what is usual ({}): check both and their units",
+                self.place(&said.key),
+                shown(stiffness, Dimension::Stiffness),
+                shown(frequency, Dimension::Frequency),
+                shown(mass, Dimension::Mass),
+                described(LEVER_MASS, Dimension::Mass)
+            )
+        })
     }
 
     /// Where contact rings a rod that nothing calms.
