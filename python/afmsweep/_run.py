@@ -161,7 +161,8 @@ def run(
     ``samples``: arrays of shape ``(n,)`` in SI units (angles in degrees) by the paths of their quantities, one instance for
     each place; with a sweep in the scene each of its points has every sample.
     ``backend``: auto, cpu, gpu or reference. ``precision``: f32 or f64; None tries both.
-    ``threads``: None takes all cores. ``audit``: instances that the reference engine redoes; None goes by time, 0 redoes none.
+    ``threads``: None takes all cores. ``audit``: instances that the reference engine redoes; None
+    redoes one, however long it takes, and more while time is left; 0 redoes none.
     ``portion``: instances that are run and kept together; None takes some ten seconds of work. No result depends on it.
     ``progress``: called with the name of the phase and its share from 0 to 1, or None; True and False show a bar or none.
     ``output``: a results file, whose journal ``resume=True`` goes on with.
