@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 use std::sync::{PoisonError, RwLock};
 
-/// Largest contact radius, in thicknesses, for which the series of [`LayerSeries`] are fitted.
+/// Largest contact radius, in thicknesses, for which the series of a layer are fitted.
 pub const LAYER_REACH: f64 = 2.0;
 /// Terms of each series beside the leading 1 that a half-space has; a cone's last one is 0.
 pub(super) const TERMS: usize = 8;

@@ -45,7 +45,7 @@ const PYRAMID: f64 = 0.7453;
 /// | four-sided pyramid | `0.7453 E* tan(alpha) delta^2` |
 /// | flat punch of radius R | `2 E* R delta` |
 /// | hyperboloid of apex radius R | `K sqrt(R) delta^1.5 (1 + x/10 + ...)`, `x = delta tan(alpha)^2/R` |
-/// | paraboloid or cone on a layer | that on a half-space times a [`LayerSeries`] |
+/// | paraboloid or cone on a layer | that on a half-space times a series |
 ///
 /// I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965); the pyramid G. G. Bilodeau, J. Appl. Mech. 59, 519 (1992). The contact radius
 /// is that of the punch with the same stiffness, `(df/d delta)/(2 E*)`, which is exact for every tip with an axis on a
