@@ -1,21 +1,20 @@
-//! A thin layer on a rigid ground: by how much stiffer it is than a half-space, solved once for a Poisson ratio.
+//! A thin layer on a rigid ground: by how much stiffer it is than a half-space, solved once for a few Poisson ratios.
 
 use crate::legendre::gauss;
 use nalgebra::{DMatrix, DVector};
-use std::collections::HashMap;
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
-use std::sync::{PoisonError, RwLock};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
+use std::sync::OnceLock;
 
 /// Largest contact radius, in thicknesses, for which the series of a layer are fitted.
 pub const LAYER_REACH: f64 = 2.0;
 /// Terms of each series beside the leading 1 that a half-space has; a cone's last one is 0.
 pub(super) const TERMS: usize = 8;
 /// Nodes over the contact, over the waves of the kernel, and contact radii that are fitted.
-const NODES: (usize, usize, usize) = (24, 100, 24);
+const NODES: (usize, usize, usize) = (24, 60, 24);
 /// Where the kernel's integral over the waves ends: it falls as exp(-2u).
 const WAVES_END: f64 = 24.0;
-/// Solutions that are kept. A design may vary the Poisson ratio from row to row.
-const KEPT: usize = 1 << 14;
+/// Poisson ratios that are solved: a design may vary the ratio from row to row.
+const RATIOS: usize = 48;
 
 /// The layer of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +28,7 @@ pub struct Layer {
 }
 
 /// A tip that presses on the layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LayerTip {
     Paraboloid,
     Cone,
@@ -56,32 +55,47 @@ pub(super) struct LayerSeries {
     pub radius: [f64; TERMS],
 }
 
-type Kept = HashMap<(u64, bool, LayerTip), LayerSeries>;
+/// By tip, the series of a layer that slides, and those of a bonded one at the Poisson ratios of [`ratio_node`].
+static SLIDING: [OnceLock<LayerSeries>; 2] = [const { OnceLock::new() }; 2];
+static BONDED: [OnceLock<Vec<LayerSeries>>; 2] = [const { OnceLock::new() }; 2];
 
-static SOLVED: RwLock<Option<Kept>> = RwLock::new(None);
+/// Where Chebyshev's points of the second kind lie between the least and the largest Poisson ratio there can be, -1 and 0.5.
+fn ratio_node(n: usize) -> f64 {
+    -0.25 - 0.75 * (PI * n as f64 / (RATIOS - 1) as f64).cos()
+}
 
 impl LayerSeries {
     pub fn of(layer: &Layer, tip: LayerTip) -> Self {
-        let poisson_ratio = if layer.bonded { layer.poisson_ratio } else { 0.0 };
-        let key = (poisson_ratio.to_bits(), layer.bonded, tip);
-        let read = SOLVED.read().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = read.as_ref().and_then(|all| all.get(&key)) {
-            return *known;
+        if !layer.bonded {
+            return *SLIDING[tip as usize].get_or_init(|| Self::solve(0.0, false, tip));
         }
-        drop(read);
-        let solved = Self::solve(poisson_ratio, layer.bonded, tip);
-        let mut all = SOLVED.write().unwrap_or_else(PoisonError::into_inner);
-        let all = all.get_or_insert_default();
-        if all.len() >= KEPT {
-            all.clear();
+        let solved = || (0..RATIOS).map(|n| Self::solve(ratio_node(n), true, tip)).collect();
+        Self::interpolated(BONDED[tip as usize].get_or_init(solved), layer.poisson_ratio)
+    }
+
+    /// At this Poisson ratio, by the barycentric formula.
+    fn interpolated(nodes: &[Self], ratio: f64) -> Self {
+        let (mut sum, mut whole) = (Self { force: [0.0; TERMS], radius: [0.0; TERMS] }, 0.0);
+        for (n, node) in nodes.iter().enumerate() {
+            let off = ratio - ratio_node(n);
+            if off == 0.0 {
+                return *node;
+            }
+            let end = if n == 0 || n + 1 == nodes.len() { 0.5 } else { 1.0 };
+            let weight = if n % 2 == 0 { end / off } else { -end / off };
+            whole += weight;
+            for k in 0..TERMS {
+                sum.force[k] += weight * node.force[k];
+                sum.radius[k] += weight * node.radius[k];
+            }
         }
-        *all.entry(key).or_insert(solved)
+        Self { force: sum.force.map(|c| c / whole), radius: sum.radius.map(|c| c / whole) }
     }
 
     fn solve(poisson_ratio: f64, bonded: bool, tip: LayerTip) -> Self {
         let waves = waves(poisson_ratio, bonded);
         let radii = (0..NODES.2).map(|n| {
-            let angle = std::f64::consts::PI * (n as f64 + 0.5) / NODES.2 as f64;
+            let angle = PI * (n as f64 + 0.5) / NODES.2 as f64;
             0.5 * LAYER_REACH * (1.0 - angle.cos())
         });
         let points: Vec<[f64; 3]> = radii.map(|radius| pressed(radius, tip, &waves)).collect();
@@ -234,6 +248,25 @@ mod tests {
                 let force = law.force(unit * depth, true) / (thick * over) - 1.0;
                 let wide = law.contact_radius(unit * depth, true) / (unit * radius) - 1.0;
                 assert!(force.abs() < bounds[0] && wide.abs() < bounds[1], "{row:?}: {force:e}, {wide:e}");
+            }
+        }
+    }
+
+    /// Truth: the problem solved at that Poisson ratio itself.
+    #[test]
+    fn poisson_ratios_between_those_solved_are_interpolated() {
+        for tip in [LayerTip::Paraboloid, LayerTip::Cone] {
+            for poisson_ratio in [-0.99, -0.5, -0.123, 0.05, 0.27, 0.38, 0.45, 0.485, 0.499] {
+                let ours = LayerSeries::of(&Layer { thickness: 1.0, poisson_ratio, bonded: true }, tip);
+                let exact = LayerSeries::solve(poisson_ratio, true, tip);
+                for step in 1..=13 {
+                    let y = 0.1 * f64::from(step);
+                    let sum = |c: &[f64; TERMS]| c.iter().rev().fold(0.0, |sum, c| (sum + c) * y) + 1.0;
+                    for (ours, exact) in [(&ours.force, &exact.force), (&ours.radius, &exact.radius)] {
+                        let off = sum(ours) / sum(exact) - 1.0;
+                        assert!(off.abs() < 1e-5, "{tip:?} {poisson_ratio} {y}: {off:e}");
+                    }
+                }
             }
         }
     }
