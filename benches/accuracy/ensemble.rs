@@ -260,6 +260,9 @@ fn row(wide: &Wide, run: &RunResult, truths: &[Option<Finished>], seconds: f64) 
         }
         errors.push(error);
     }
+    if beyond > 0 {
+        println!("    {beyond} sink in beyond the range of their law's series and are left out");
+    }
     errors.sort_by(f64::total_cmp);
     let single = run.arithmetic.of.iter().filter(|one| **one == Precision::F32).count();
     let above = |times: f64| errors.iter().filter(|error| **error > times * accuracy).count();

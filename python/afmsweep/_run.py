@@ -129,7 +129,7 @@ def _groups(
             with contextlib.suppress(AttributeError):
                 setattr(stop, "partial", make(partial) if isinstance(partial, list) else None)  # noqa: B010
             if isinstance(stop, KeyboardInterrupt) and not stop.args:
-                stop.args = ("the run was stopped; its exception's `partial` has what is done by then",)
+                stop.args = ("the run was stopped; its exception's `partial` has what is done by then, if there is something",)
             raise
     for doubt in doubts:
         warnings.warn(doubt, SceneWarning, stacklevel=3)

@@ -171,3 +171,9 @@ def test_dictionaries_take_numbers_and_texts():
     numbers = {**LEVER, "sample": {"youngs_modulus": np.float64(2e9), "surface_energy": 0.02}}
     a, b = (afm.run(one, audit=0, precision="f64") for one in (LEVER, numbers))
     assert float(a.amplitude) == float(b.amplitude)
+
+
+@pytest.mark.parametrize(("name", "count"), [("threads", 0), ("threads", -1), ("audit", -1)])
+def test_counts_below_the_least_are_refused_by_name(scene, name, count):
+    with pytest.raises(ValueError, match=f"{name} is {count}: give None"):
+        afm.run(scene, **{name: count})

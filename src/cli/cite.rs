@@ -41,6 +41,9 @@ pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
     if scene.base.instrument.tip.shape == TipShape::Pyramid {
         entries.push(entry("bilodeau1992regular"));
     }
+    if scene.instance(0).sample.thickness.is_some() {
+        entries.push(entry("lebedev1958axisymmetric"));
+    }
     print(&entries.join("\n"))
 }
 

@@ -154,3 +154,35 @@ fn auto_leaves_a_long_search_to_the_cpu() {
     let said = desk.works(&["run", "long.toml", "-v", "--backend", "auto", "--no-audit", "--no-estimate"]);
     assert!(said.err.contains("on the CPU: of a search there is too little to step"), "{}", said.err);
 }
+
+/// A set-point that another branch holds than the one asked for, or on which the tip hovers, is told with its number.
+#[test]
+fn the_branch_that_holds_a_set_point_is_told() {
+    let desk = Desk::new();
+    let scene = |amplitude: &str, branch: &str| {
+        format!(
+            "[instrument.cantilever]\nstiffness = \"2.8 N/m\"\nfrequency = \"75 kHz\"\nquality_factor = 180\n\
+             [instrument.tip]\nradius = \"10 nm\"\n[sample]\nyoungs_modulus = \"2.7 GPa\"\npoisson_ratio = 0.34\n\
+             surface_energy = \"60 mJ/m^2\"\n[contact]\nlaw = \"dmt\"\n[drive]\non = \"tip\"\nfrequency = \"resonance\"\n\
+             free_amplitude = \"{amplitude}\"\n[approach]\n{branch}\n[sweep]\n\
+             \"approach.setpoint\" = {{ values = [0.7, 0.8] }}\n[run]\nsteady = \"search\"\n"
+        )
+    };
+    let said = |amplitude: &str, branch: &str| {
+        let scene = desk.write("held.toml", &scene(amplitude, branch));
+        let run = ["run", scene.to_str().unwrap(), "--no-audit", "--overwrite", "-o", "held.h5"];
+        desk.works(&run).err
+    };
+    let hovers = said("25 nm", "");
+    assert!(
+        hovers.contains("2 of 2 instances hold the set-point on the attractive branch, where"),
+        "{hovers}"
+    );
+    let missed = said("2 nm", "setpoint_branch = \"repulsive\"");
+    assert!(
+        missed.contains("2 of 2 instances hold the set-point on the attractive branch: on the"),
+        "{missed}"
+    );
+    let kept = said("25 nm", "setpoint_branch = \"repulsive\"");
+    assert!(!kept.contains("hold the set-point"), "{kept}");
+}

@@ -319,6 +319,28 @@ fn tabor_decides_and_warns() {
     for shape in [TipShape::Cone, TipShape::Pyramid, TipShape::Punch] {
         assert!(shaped(shape).tabor().is_nan(), "{shape:?}");
     }
+    // a sphere's series ends where half of it has sunk in, a hyperboloid's at 10 R/tan(alpha)^2
+    let tangent = 35f64.to_radians().tan();
+    for (shape, reach) in [(TipShape::Sphere, 30e-9), (TipShape::Hyperboloid, 10.0 * 30e-9 / tangent.powi(2))]
+    {
+        assert_eq!(shaped(shape).series_warning(0.999 * reach), None);
+        let said = shaped(shape).series_warning(1.001 * reach).unwrap().to_string();
+        assert!(said.contains("do not trust it"), "{said}");
+    }
+}
+
+/// A layer's series ends at a contact radius of two thicknesses; DMT's attraction on it, and no law of Tabor's, is told.
+#[test]
+fn layers_warn_of_depth_and_adhesion() {
+    let mut params = Params::default();
+    (params.contact.law, params.instrument.tip.radius) = (LawChoice::Dmt, 30e-9);
+    params.sample.thickness = Some(20e-9);
+    let dmt = Contact::new(&params);
+    assert!(matches!(dmt.warnings(&params, None)[..], [Warning::AdhesiveLayer]));
+    let depth =
+        (1..).map(|n| 1e-10 * f64::from(n)).find(|depth| dmt.series_warning(*depth).is_some()).unwrap();
+    let radius = dmt.contact_radius(depth, true);
+    assert!(radius > 40e-9 && radius < 40.2e-9, "{radius:e}");
 }
 
 #[test]

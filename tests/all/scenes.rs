@@ -237,6 +237,26 @@ fn an_axis_switches_alternatives_as_the_file_would() {
 /// A lever by its calibration or its modes has a rod only where the scene names one.
 const ROD: &str = "[instrument]\npreset = \"ha-fung-chen-2005\"\n";
 
+/// A list pairs the two moduli of a sample that relaxes; a grid has each with each.
+#[test]
+fn moduli_that_relax_are_compared_case_by_case() {
+    let text = |sweep: &str, at_once: &str| {
+        format!(
+            "[sample]\nrelaxation_time = \"1 us\"\n[contact]\nlaw = \"hertz\"\n{sweep}\n\
+             \"sample.youngs_modulus\" = [\"1 GPa\", \"9 GPa\"]\n\"sample.instantaneous_modulus\" = {at_once}\n"
+        )
+    };
+    assert_eq!(parse(&text("[samples]", "[\"2 GPa\", \"10 GPa\"]")).len(), 2);
+    let refused =
+        Scene::parse(Path::new("list.toml"), &text("[samples]", "[\"2 GPa\", \"8 GPa\"]")).unwrap_err();
+    let said = refused.to_string();
+    assert!(said.contains("instantaneous_modulus 8.0000e9 Pa below youngs_modulus 9.0000e9 Pa"), "{said}");
+    let grid = text("[sweep]", "{ values = [\"2 GPa\", \"10 GPa\"] }");
+    let grid = grid.replace("[\"1 GPa\", \"9 GPa\"]", "{ values = [\"1 GPa\", \"9 GPa\"] }");
+    let said = Scene::parse(Path::new("grid.toml"), &grid).unwrap_err().to_string();
+    assert!(said.contains("2.0000e9 Pa below youngs_modulus 9.0000e9 Pa"), "{said}");
+}
+
 /// A frequency without its kilo is a lever of milligrams, though each number alone is usual.
 #[test]
 fn a_lever_of_an_odd_mass_is_told() {

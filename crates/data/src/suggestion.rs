@@ -39,6 +39,8 @@ mod tests {
         assert_eq!(nearest("linear", ["log", "lin"]), Some("lin"));
         assert_eq!(nearest("ha-fung-chen", ["ha-fung-chen-2005"]), Some("ha-fung-chen-2005"));
         assert_eq!(nearest("", known), None);
+        // A path with a slip is not its section.
+        assert_eq!(nearest("tip.raduis", ["tip", "tip.radius"]), Some("tip.radius"));
         // A one-letter word must not turn into any other one-letter word.
         assert_eq!(nearest("x", ["m", "V"]), None);
     }

@@ -14,14 +14,15 @@ use crate::orbit::{self, Jacobian, PeriodicState};
 use crate::plan::{Plan, SectionState};
 use std::collections::BTreeMap;
 
-/// Searches along the gap from another gap to an instance's own.
+/// Steps of a search along the gap. The last one is at the instance's own gap.
 const GAP_STEPS: usize = 12;
 /// Most instances of a grid that are searched along the gap. The others are then followed from them.
 const ALONG_GAP: usize = 256;
-/// Where these searches begin, in free amplitudes: far away, where a tip that feels attraction hardly does so, or where it just
-/// touches; and close to the surface, in gaps of the instance.
+/// Where such a search begins, in free amplitudes: beyond them, if attraction reaches so far.
 const FAR: f64 = 1.05;
+/// Otherwise where the tip just touches.
 const GRAZING: f64 = 0.98;
+/// Where it begins close to the surface, in gaps of the instance.
 const CLOSE: f64 = 0.2;
 
 /// Second states of the instances of a finished run. Searches first start from the lever at rest with the steps of the run.
@@ -216,9 +217,7 @@ impl BranchSwitching<'_> {
             let gaps: Vec<f64> = numbers.iter().map(|i| self.gap_towards(*i, left)).collect();
             let part = plan.part(&numbers).with_gaps(&gaps);
             let place = |n: u32| match &before {
-                Some((there, states)) => {
-                    orbit::transfer_orbit_corrected((there, n, &states[n as usize]), &[], &part, n)
-                }
+                Some((there, states)) => orbit::transfer_orbit((there, n, &states[n as usize]), &part, n),
                 None => SectionState::free(&part, n),
             };
             let places: Vec<SectionState> = part.instances().map(place).collect();
@@ -236,10 +235,7 @@ impl BranchSwitching<'_> {
                 }
             }
             numbers = kept.iter().map(|n| numbers[*n as usize]).collect();
-            before = Some((
-                part.part(&kept).with_gaps(&kept.iter().map(|n| gaps[*n as usize]).collect::<Vec<_>>()),
-                states,
-            ));
+            before = Some((part.part(&kept), states));
         }
         Ok(found)
     }

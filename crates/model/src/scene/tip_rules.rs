@@ -27,8 +27,8 @@ pub(super) fn shape_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
             .expected("shape = \"cone\", \"pyramid\" or \"hyperboloid\" in [instrument.tip]")
             .help("set one of them, or remove this line"));
     }
-    let pointed = !shape.has_radius();
-    if let Some(said) = draft.said.iter().find(|said| said.swept && said.path == RADIUS && pointed) {
+    let swept = draft.said.iter().find(|said| said.swept && said.path == RADIUS);
+    if let Some(said) = swept.filter(|_| !shape.has_radius()) {
         return Err(Fault::at(said.key.clone(), "`instrument.tip.radius` has no effect here")
             .label("a cone and a pyramid end in a point")
             .related(told, "the shape is chosen here")

@@ -107,8 +107,8 @@ impl Indenter {
                 modulus * axis.powi(3) / radius * sum
             }
             Self::Series { coefficients } => {
-                let terms = coefficients.iter().enumerate();
-                terms.map(|(n, factor)| factor * delta.powf(0.5 * n as f64 + 1.0)).sum()
+                let root = delta.sqrt();
+                delta * coefficients.iter().rev().fold(0.0, |sum, factor| sum * root + factor)
             }
             Self::Sphere { modulus, radius } => {
                 let depth = delta / radius;
