@@ -15,10 +15,7 @@
 //! Units inside: length [`LENGTH`], time one step, impulse as change of tip travel per step.
 
 //! This is a crate of its own because it takes long to compile and changes least: [`Stepper`] is all that the CPU
-//! engine calls of it, and the one place where lanes, laws and numbers of modes meet. Its own tests leave out that place, which
-//! takes nine tenths of the time to compile: the engines' tests step with it.
-
-#![cfg_attr(test, allow(dead_code, unused_imports, unused_macros))]
+//! engine calls of it, and the one place where lanes, laws and numbers of modes meet.
 
 pub mod broyden;
 mod constants;
@@ -36,10 +33,8 @@ mod recorded_step;
 mod run_sums;
 mod sample;
 mod shader;
-#[cfg(not(test))]
 mod slopes;
 mod step;
-#[cfg(not(test))]
 mod stepper;
 mod sums;
 mod tally;
@@ -57,10 +52,8 @@ pub use law::{Attraction, Law, WithLaw};
 pub use run_sums::RunSums;
 pub use sample::Wave;
 pub use shader::{Binding, Entry, ShaderSpec, WORKGROUP};
-#[cfg(not(test))]
 pub use slopes::{Room, SlopeRows, Tangent, little, strict_tangent, tangent};
 pub use step::Decay;
-#[cfg(not(test))]
 pub use stepper::{Real, Span, Stepper, Traced, Tracer, tracer};
 pub use sums::{HARMONICS, How, PeriodSums, SUMS, Sum, Wants};
 pub use tangent::powers;
