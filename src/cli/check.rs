@@ -122,9 +122,7 @@ fn holds_results(path: &Path) -> bool {
 /// The scene that a results file was made from, and the file's content.
 fn from_file(path: &Path) -> anyhow::Result<(Scene, Option<store::Results>)> {
     let results = store::read(path)?;
-    let text = results.text("scene").unwrap_or_default();
-    let scene = Scene::parse(path, text).with_context(|| format!("the scene in {}", path.display()))?;
-    Ok((scene, Some(results)))
+    Ok((super::scene_in(path, &results)?, Some(results)))
 }
 
 /// Every instance that the file calls ok has a number for every observable.

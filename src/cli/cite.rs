@@ -1,9 +1,8 @@
 //! `afmsweep cite`: what to cite for a results file, as BibTeX.
 
 use super::print;
-use afmsweep::scene::{ActuatorModel, Scene, TipShape};
+use afmsweep::scene::{ActuatorModel, LawChoice, OutsideForce, TipShape};
 use afmsweep::store::{self, Results};
-use anyhow::Context;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -29,15 +28,23 @@ const LAWS: [(&str, &str); 6] = [
 pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
     let results = store::read(&args.file)?;
     let mut entries = vec![program(&results)];
-    let text = results.text("scene").unwrap_or_default();
-    let scene =
-        Scene::parse(&args.file, text).with_context(|| format!("the scene in {}", args.file.display()))?;
+    let scene = super::scene_in(&args.file, &results)?;
     if scene.base.instrument.actuator.model != ActuatorModel::Rigid {
         entries.push(entry("ha2005afm"));
     }
     let used = laws(&results);
     let is_used = |word: &str| used.iter().any(|law| law.split('-').any(|one| one == word));
     entries.extend(LAWS.iter().filter(|(word, _)| is_used(word)).map(|(_, key)| entry(key)));
+    let contact = &scene.base.contact;
+    if is_used("sum") && contact.law != LawChoice::Sum {
+        entries.push(entry(if contact.law == LawChoice::Dmt { LAWS[1].1 } else { LAWS[0].1 }));
+    }
+    if contact.outside.iter().any(|force| matches!(force, OutsideForce::DoubleLayer { .. })) {
+        entries.push(entry("butt1991measuring"));
+    }
+    if scene.base.instrument.tip.shape == TipShape::SpheroCone {
+        entries.push(entry("briscoe1994effect"));
+    }
     if scene.base.instrument.tip.shape == TipShape::Pyramid {
         entries.push(entry("bilodeau1992regular"));
     }

@@ -36,6 +36,7 @@ mod table;
 use afmsweep::Error;
 use afmsweep::report::shown;
 use afmsweep::scene::{Scene, SceneError};
+use afmsweep::store::Results;
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
@@ -280,6 +281,13 @@ fn load(path: &Path) -> anyhow::Result<Scene> {
         }
         false => Ok(Scene::load(path)?),
     }
+}
+
+/// The scene that results were made from: as written or, where a file that it names is not there any more, with every value.
+fn scene_in(path: &Path, results: &Results) -> anyhow::Result<Scene> {
+    let told = |name| Scene::parse(path, results.text(name).unwrap_or_default());
+    let scene = told("scene").or_else(|error| told("scene_resolved").map_err(|_| error));
+    scene.with_context(|| format!("the scene in {}", path.display()))
 }
 
 /// Writes to standard output; a reader that has gone away (`| head`) is no error.

@@ -134,7 +134,12 @@ impl RunArgs {
 
 /// The whole results of a scene, where they stand at `output` and nothing is left to go on with.
 pub fn finished(output: &Path, scene: &Scene) -> Option<Results> {
-    let is_whole = |all: &Results| !all.status.contains(&(Status::NotRun as u8));
+    // A table of forces in a file may have changed while the scene's text did not.
+    let table = &scene.base.contact.table;
+    let same = |all: &Results| {
+        table.is_none() || super::scene_in(output, all).is_ok_and(|kept| kept.base.contact.table == *table)
+    };
+    let is_whole = |all: &Results| !all.status.contains(&(Status::NotRun as u8)) && same(all);
     let stands = !store::partial_path(output).exists()
         && store::scene_of(output).is_ok_and(|text| text == scene.source);
     stands.then(|| store::read(output).ok().filter(is_whole)).flatten()

@@ -9,13 +9,14 @@ use afmsweep::scene::{DriveFrequency, LawChoice, TipShape};
 /// A shape with a law that knows it, and the thickness (m) of a layer.
 type Contact = (TipShape, LawChoice, Option<f64>);
 
-const CONTACTS: [Contact; 9] = [
+const CONTACTS: [Contact; 10] = [
     (TipShape::Sphere, LawChoice::Hertz, None),
     (TipShape::Sphere, LawChoice::Dmt, None),
     (TipShape::Cone, LawChoice::Hertz, None),
     (TipShape::Pyramid, LawChoice::Hertz, None),
     (TipShape::Punch, LawChoice::Hertz, None),
     (TipShape::Hyperboloid, LawChoice::Hertz, None),
+    (TipShape::SpheroCone, LawChoice::Hertz, None),
     (TipShape::Paraboloid, LawChoice::Hertz, Some(20e-9)),
     (TipShape::Paraboloid, LawChoice::Dmt, Some(20e-9)),
     (TipShape::Cone, LawChoice::Hertz, Some(20e-9)),

@@ -31,6 +31,7 @@ mod agree_control;
 mod agree_curves;
 mod agree_kicked;
 mod agree_neighbours;
+mod agree_outside;
 mod agree_plan;
 mod agree_precision;
 mod agree_reference;

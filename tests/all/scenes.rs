@@ -305,6 +305,34 @@ fn every_quantity_can_be_written_swept_and_echoed() {
             "instrument.tip.half_angle" => {
                 company = "[instrument.tip]\nshape = \"cone\"\n[contact]\nlaw = \"hertz\"\n".into()
             }
+            outside if outside.starts_with("contact.outside.") => {
+                let key = outside.rsplit('.').next().unwrap();
+                let force = match key {
+                    "bias" | "contact_potential" | "cut_off" => {
+                        [("force", "electrostatic"), ("bias", "1 V"), ("cut_off", "1 nm")].to_vec()
+                    }
+                    "tip_charge" | "sample_charge" | "screening_length" | "permittivity" => {
+                        let charge = "1 mC/m^2";
+                        let own = [("tip_charge", charge), ("sample_charge", charge)];
+                        [&[("force", "double-layer"), ("screening_length", "1 nm")][..], &own].concat()
+                    }
+                    "pressure" => [("force", "hydration"), ("decay_length", "1 nm")].to_vec(),
+                    "strength" => [("force", "hydration"), ("decay_length", "1 nm")].to_vec(),
+                    _ => [
+                        ("force", "hydration"),
+                        ("strength", "1 nN"),
+                        ("decay_length", "1 nm"),
+                        ("period", "1 nm"),
+                    ]
+                    .to_vec(),
+                };
+                let lines: Vec<String> = force
+                    .iter()
+                    .filter(|(one, _)| *one != key)
+                    .map(|(key, value)| format!("{key} = \"{value}\"\n"))
+                    .collect();
+                company = format!("[contact]\nlaw = \"dmt\"\n[[contact.outside]]\n{}", lines.concat());
+            }
             "sample.thickness" => company = "[contact]\nlaw = \"hertz\"\n".into(),
             "sample.hamaker" => company = "[contact]\nlaw = \"dmt\"\n".into(),
             "sample.viscosity" | "sample.retardation_time" | "sample.loss_tangent" => {

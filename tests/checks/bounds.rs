@@ -43,6 +43,11 @@ pub const SHAPES_FINE: f64 = 3e-7;
 /// The same of a hyperboloid, whose series is right to 2e-6 of the force. Seen: 1.3e-6 (largest force).
 pub const HYPERBOLOID_FINE: f64 = 3e-6;
 
+/// Order of the largest force of a table of Hertz's or DMT's law in its rows, and its errors with 161 of them. Seen: 2.4,
+/// 7e-7.
+pub const ORDER_TABLE: f64 = 2.0;
+pub const TABLE_FINE: f64 = 2e-6;
+
 /// JKR's loss per tap at the plan's steps, relative. Seen: 2.5e-4 (4 GPa, 10 nm).
 pub const JKR_LOSS: f64 = 5e-4;
 /// Loss of a law without memory, and drive less modes less sample, in units of the drive's

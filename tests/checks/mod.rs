@@ -6,15 +6,16 @@ pub mod bounds;
 pub mod driven_lever;
 pub mod energy;
 
-use crate::support::laws::{Law as Force, Tip};
+use crate::support::laws::{Law as Force, Outside, Tip};
 use crate::support::oscillator::{Mode, Options, Outcome, State, System};
-use afmsweep::contact::Law;
+use afmsweep::contact::{Contact, Law};
 use afmsweep::engine::{Cpu, Engine, Finished, Progress};
+use afmsweep::kernel::contact::force_table::{EXPONENTIAL, INVERSE};
 use afmsweep::observe::{Measured, Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{
     ActuatorModel, Adhesion, DriveFrequency, DriveLevel, DriveOn, LawChoice, LeverMode, LeverSpec,
-    QualityFactor, Scene, Start, TipShape,
+    QualityFactor, Scene, Start, TermForce, TipShape,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
@@ -118,26 +119,53 @@ pub fn force_law(plan: &Plan, instance: usize) -> Force {
         Law::Dmt => Force::Dmt { k, r, w, d0: contact.decay_length },
         Law::Jkr if w == 0.0 => Force::Hertz { k, r },
         Law::Jkr => Force::Jkr { k, r, w },
-        Law::ShapedHertz | Law::ShapedDmt => {
+        Law::ShapedHertz | Law::ShapedDmt | Law::Sum => {
             let tangent = contact.half_angle.to_radians().tan();
             let tip = match contact.shape {
                 _ if contact.layer.is_some() => {
                     Tip::Layer { terms: *contact.shaped().unwrap().coefficients() }
                 }
-                TipShape::Paraboloid => unreachable!("that is no other shape"),
+                TipShape::Paraboloid => Tip::Paraboloid { r },
                 TipShape::Sphere => Tip::Sphere { r },
                 TipShape::Cone => Tip::Cone { tangent },
                 TipShape::Pyramid => Tip::Pyramid { tangent },
                 TipShape::Punch => Tip::Punch { r },
                 TipShape::Hyperboloid => Tip::Hyperboloid { r, tangent },
+                TipShape::SpheroCone => Tip::SpheroCone { r, tangent },
             };
-            let pull = if contact.law == Law::ShapedDmt { 2.0 * PI * r * w } else { 0.0 };
-            Force::Indenter { e: 0.75 * k, tip, pull, d0: contact.decay_length }
+            let pull = if contact.choice == LawChoice::Dmt { 2.0 * PI * r * w } else { 0.0 };
+            let (e, d0) = (0.75 * k, contact.decay_length);
+            match contact.law {
+                Law::Sum => Force::Beside { e, tip, pull, d0, outside: outside(contact) },
+                _ => Force::Indenter { e, tip, pull, d0 },
+            }
         }
         Law::ViscousHertz | Law::ViscousDmt | Law::RelaxingHertz => {
             unreachable!("the independent program has elastic samples")
         }
     }
+}
+
+/// The one force of the tests that oscillates: strength (N), decay length and period (m), phase (degree).
+pub const WAVE: [f64; 4] = [0.4e-9, 0.5e-9, 0.28e-9, 40.0];
+
+/// The forces beside a contact. Of a table that is not the program's own the tests have one, [`WAVE`]. The first force of a
+/// sphero-cone is the contact itself.
+fn outside(contact: Contact) -> [Outside; 4] {
+    let first = usize::from(contact.shape == TipShape::SpheroCone);
+    std::array::from_fn(|n| {
+        let term = contact.terms.get(n + first).copied().flatten();
+        let Some(TermForce { amplitude: at_touch, length, table }) = term else { return Outside::None };
+        let [strength, decay, period, phase] = WAVE;
+        match table {
+            EXPONENTIAL => Outside::Decay { at_touch, length },
+            INVERSE => Outside::Inverse { at_touch, length },
+            _ => {
+                assert_eq!((at_touch, length), (strength, decay), "a table is no formula");
+                Outside::Wave { strength, length, period, phase: phase.to_radians() }
+            }
+        }
+    })
 }
 
 /// The instance as the independent integrator takes it, its start, and by how many degrees its

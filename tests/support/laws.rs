@@ -28,6 +28,38 @@ pub enum Law {
         pull: f64,
         d0: f64,
     },
+    /// The same with forces beside it, which keep their value at touch inside.
+    Beside {
+        e: f64,
+        tip: Tip,
+        pull: f64,
+        d0: f64,
+        outside: [Outside; 4],
+    },
+}
+
+/// A force at a distance D: `at_touch` (N) times exp(-D/length), that times a cosine, or 1/(1 + D/length).
+#[derive(Clone, Copy, Debug)]
+pub enum Outside {
+    None,
+    Decay { at_touch: f64, length: f64 },
+    Wave { strength: f64, length: f64, period: f64, phase: f64 },
+    Inverse { at_touch: f64, length: f64 },
+}
+
+impl Outside {
+    /// Continued smoothly past touch where the tip is not in contact.
+    fn force(self, d: f64, touch: bool) -> f64 {
+        let away = if touch { 0.0 } else { -d };
+        match self {
+            Outside::None => 0.0,
+            Outside::Decay { at_touch, length } => at_touch * (-away / length).exp(),
+            Outside::Wave { strength, length, period, phase } => {
+                strength * (-away / length).exp() * (2.0 * PI * away / period + phase).cos()
+            }
+            Outside::Inverse { at_touch, length } => at_touch / (1.0 + away.max(-0.5 * length) / length),
+        }
+    }
 }
 
 /// A rigid tip on an elastic half-space, by the method of dimensionality reduction: springs side by side under a profile g(x),
@@ -38,12 +70,16 @@ pub enum Tip {
     Sphere { r: f64 },
     /// g = pi x/(2 tan(alpha))
     Cone { tangent: f64 },
+    /// g = x^2/R
+    Paraboloid { r: f64 },
     /// No axis: a cone of the force that Bilodeau (1992) gives.
     Pyramid { tangent: f64 },
     /// g = 0 up to its radius
     Punch { r: f64 },
     /// On a layer: the sum of c_n d^(n/2), n from 2 on, that is the program's model of it
     Layer { terms: [f64; 10] },
+    /// g = x^2/R up to b = R cos(alpha), then x (x - sqrt(x^2 - b^2))/R + x acos(b/x)/tan(alpha)
+    SpheroCone { r: f64, tangent: f64 },
     /// g = (A/R) x atan(x/A), A = R/tan(alpha)
     Hyperboloid { r: f64, tangent: f64 },
 }
@@ -67,6 +103,10 @@ impl Tip {
                 let under = 0.5 * ((a * a - r * r) * (a / r).atanh() + a * r);
                 2.0 * e * (a * d - under)
             }
+            Tip::Paraboloid { r } => {
+                let a = (r * d).sqrt();
+                2.0 * e * (a * d - a.powi(3) / (3.0 * r))
+            }
             Tip::Cone { tangent } => {
                 let a = 2.0 / PI * tangent * d;
                 2.0 * e * (a * d - PI / (4.0 * tangent) * a * a)
@@ -76,6 +116,22 @@ impl Tip {
             Tip::Layer { terms } => {
                 let root = d.sqrt();
                 d * terms.iter().rev().fold(0.0, |sum, term| sum * root + term)
+            }
+            Tip::SpheroCone { r, tangent } => {
+                let b = r / (1.0 + tangent * tangent).sqrt();
+                if d <= b * b / r {
+                    return Tip::Paraboloid { r }.force(e, d);
+                }
+                let side = |a: f64| (a * a - b * b).sqrt();
+                let depth = |a: f64| a * (a - side(a)) / r + a * (b / a).acos() / tangent;
+                let (mut low, mut high) = (b, 2.0 * b + d * tangent);
+                while high - low > 4.0 * f64::EPSILON * high {
+                    let a = 0.5 * (low + high);
+                    if depth(a) < d { low = a } else { high = a }
+                }
+                let (a, s) = (low, side(low));
+                let wedge = (a * a * (b / a).acos() - b * s) / (2.0 * tangent);
+                2.0 * e * (a * d - wedge - (a * a * a - s * s * s) / (3.0 * r))
             }
             Tip::Hyperboloid { r, tangent } => {
                 let (axis, depth) = (r / tangent, d * tangent * tangent / r);
@@ -140,6 +196,10 @@ impl Law {
                     Law::Dmt { k: 0.0, r: 1.0, w: pull / (2.0 * PI), d0 }.force(d, false)
                 }
             }
+            Law::Beside { e, tip, pull, d0, outside } => {
+                let contact = Law::Indenter { e, tip, pull, d0 }.force(d, touch);
+                contact + outside.map(|one| one.force(d, touch)).iter().sum::<f64>()
+            }
             Law::Jkr { k, r, w } => {
                 if touch {
                     let b = root_of_radius(fold, r, d);
@@ -161,6 +221,30 @@ impl Law {
             }
             _ => 0.0,
         }
+    }
+
+    /// Where between two indentations a force beside a contact is least or largest.
+    pub fn extremes_between(&self, [from, to]: [f64; 2], touch: bool) -> Vec<f64> {
+        if !matches!(self, Law::Beside { .. }) {
+            return Vec::new();
+        }
+        let at = |n: i32| from + (to - from) * f64::from(n) / 16.0;
+        let force = |d: f64| self.force(d, touch);
+        let mut found = Vec::new();
+        for n in 1..16 {
+            for sign in [1.0, -1.0] {
+                let worth = |d: f64| sign * force(d);
+                if worth(at(n)) > worth(at(n - 1)) && worth(at(n)) >= worth(at(n + 1)) {
+                    let (mut left, mut right) = (at(n - 1), at(n + 1));
+                    for _ in 0..60 {
+                        let (one, other) = (left + (right - left) / 3.0, right - (right - left) / 3.0);
+                        if worth(one) > worth(other) { right = other } else { left = one }
+                    }
+                    found.push(0.5 * (left + right));
+                }
+            }
+        }
+        found
     }
 
     /// Indentation inside the contact branch at which the force is least, where there is one.

@@ -78,6 +78,9 @@ impl Meter {
     pub fn pass(&mut self, system: &System, from: (f64, &[f64]), to: (f64, &[f64]), touch: bool, h: f64) {
         let ends = [system.indentation(from.0, from.1), system.indentation(to.0, to.1)];
         self.note(system, ends[1], touch);
+        for place in system.law.extremes_between(ends, touch) {
+            self.note(system, place, touch);
+        }
         if !touch {
             return;
         }

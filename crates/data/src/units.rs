@@ -71,6 +71,7 @@ dimensions! {
     // The same as N/m.
     SurfaceEnergy, "J/m^2", [0, 1, -2, 0, 0], "a surface energy", "\"50 mJ/m^2\"",
         ["mJ/m^2", "J/m^2", "uJ/m^2", "mN/m", "N/m"];
+    SurfaceCharge, "C/m^2", [-2, 0, 1, 1, 0], "a charge per area", "\"20 mC/m^2\"", ["mC/m^2", "C/m^2"];
     Voltage, "V", [2, 1, -3, -1, 0], "a voltage", "\"15 V\"", ["V", "mV", "kV"];
     // The same as N/C: the rod's h33.
     ElectricField, "V/m", [1, 1, -3, -1, 0], "an electric field (h33)", "\"545.136 MV/m\"",

@@ -26,6 +26,8 @@ constants! {
     THIRD = 1.0 / 3.0;
     TWELFTH = 1.0 / 12.0;
     TWENTY_FOURTH = 1.0 / 24.0;
+    EIGHTIETH = 1.0 / 80.0;
+    ONE_120TH = 1.0 / 120.0;
     /// Beyond any indentation, within f32.
     FAR = 1e30;
     /// The longest stride towards a periodic state, in free amplitudes: what is farther off is another motion.

@@ -2,6 +2,7 @@
 
 use super::Lane;
 use super::constants::{HALF, LEAST, ONE, ZERO};
+use super::contact::force_table::COLUMNS;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number and its derivatives by the three numbers of an [`Approach`](super::contact::Approach), in their order.
@@ -160,6 +161,14 @@ impl<L: Lane> Lane for Dual<L> {
     #[inline(always)]
     fn any(mask: L::Mask) -> bool {
         L::any(mask)
+    }
+    /// A table's rows do not depend on the approach.
+    #[inline(always)]
+    fn look_up(self, table: Self) -> [Self; COLUMNS] {
+        self.value.look_up(table.value).map(
+            #[inline(always)]
+            |number| Self::constant(number),
+        )
     }
     #[inline(always)]
     fn when<T>(

@@ -1,5 +1,6 @@
 //! The arithmetic the kernel is written in: one number, or a vector of them, per instance.
 
+use crate::contact::force_table::{self, COLUMNS, MOST_WIDTH};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value per instance. Only operations that a shader has too are offered.
@@ -63,6 +64,20 @@ pub trait Lane:
         _zip: impl FnOnce(T, T, &mut dyn FnMut(Self, Self) -> Self) -> T,
     ) -> T {
         if Self::any(mask) { work() } else { otherwise }
+    }
+
+    /// For each instance the row that holds its number in the force table whose number is `table`.
+    #[inline(always)]
+    fn look_up(self, table: Self) -> [Self; COLUMNS] {
+        let zero = Self::element(0.0);
+        let (mut x, mut numbers) = ([zero; MOST_WIDTH], [zero; MOST_WIDTH]);
+        self.store(&mut x);
+        table.store(&mut numbers);
+        let mut rows = [[zero; MOST_WIDTH]; COLUMNS];
+        force_table::fill((&x[..Self::WIDTH], &numbers[..Self::WIDTH]), Self::element, &mut rows);
+        let [a, b, c, d, e, f, g, h, i, j, k] = &rows;
+        let load = Self::load;
+        [load(a), load(b), load(c), load(d), load(e), load(f), load(g), load(h), load(i), load(j), load(k)]
     }
 
     /// Does `work` compiled for the instructions that the lane is made of, if what it calls is inlined.

@@ -38,6 +38,8 @@ macro_rules! laws {
             ShapedHertz = 7, "hertz-shaped", ShapedHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 8 24] };
             /// The same under DMT's attraction.
             ShapedDmt = 8, "dmt-shaped", ShapedDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
+            /// A contact with up to four forces beside it that are tabulated.
+            Sum = 9, "sum", Sum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
         }
     };
 }
@@ -250,6 +252,17 @@ impl Law {
             Self::Dmt => Some(Self::ShapedDmt),
             _ => None,
         }
+    }
+
+    /// The law of the same contact with other forces beside it, where there is one.
+    pub fn summed(self) -> Option<Self> {
+        let known = [Self::None, Self::Hertz, Self::Dmt, Self::ShapedHertz, Self::ShapedDmt, Self::Sum];
+        known.contains(&self).then_some(Self::Sum)
+    }
+
+    /// Whether it reads tables.
+    pub fn has_tables(self) -> bool {
+        self == Self::Sum
     }
 
     /// Whether the sample takes time to yield or to recover, so that the force depends on how the tip came here.

@@ -26,3 +26,23 @@ pub const LESS: Form = Form { text: "a < b", binds: 3, operands: &[4, 4] };
 pub const BOTH: Form = Form { text: "a && b", binds: 2, operands: &[3, 3] };
 pub const EITHER: Form = Form { text: "a || b", binds: 1, operands: &[3, 3] };
 pub const NOT: Form = Form { text: "!a", binds: 6, operands: &[7] };
+/// The place of a row in the tables: number of the table, and what it is looked up for.
+pub const ROW: Form = Form { text: "table_row(a, b)", binds: 7, operands: &[0, 0] };
+/// A row's numbers, by their columns.
+pub const CELL: [Form; 11] = [
+    cell("drives[a]"),
+    cell("drives[a + 1u]"),
+    cell("drives[a + 2u]"),
+    cell("drives[a + 3u]"),
+    cell("drives[a + 4u]"),
+    cell("drives[a + 5u]"),
+    cell("drives[a + 6u]"),
+    cell("drives[a + 7u]"),
+    cell("drives[a + 8u]"),
+    cell("drives[a + 9u]"),
+    cell("drives[a + 10u]"),
+];
+
+const fn cell(text: &'static str) -> Form {
+    Form { text, binds: 7, operands: &[4] }
+}

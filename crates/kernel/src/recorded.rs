@@ -5,6 +5,7 @@
 
 use super::Lane;
 use super::constants;
+use super::contact::force_table::COLUMNS;
 use super::operation_form::{self, Form};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -176,6 +177,11 @@ impl Lane for Recorded {
     }
     fn not(a: Flag) -> Flag {
         Flag(operation(&operation_form::NOT, [a.0, 0, 0]))
+    }
+    /// A row of the tables that follow the drives.
+    fn look_up(self, table: Self) -> [Self; COLUMNS] {
+        let row = operation(&operation_form::ROW, [table.0, self.0, 0]);
+        std::array::from_fn(|column| Self(operation(&operation_form::CELL[column], [row, 0, 0])))
     }
     /// A shader's instance goes its own way: what depends on a mask belongs into [`Lane::when`].
     fn any(_: Flag) -> bool {

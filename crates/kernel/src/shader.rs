@@ -10,6 +10,7 @@
 
 use super::broyden::{self, state_modes};
 use super::constants;
+use super::contact::force_table;
 use super::newton;
 use super::tangent::{PARTIALS, PARTIALS_WITH_MEMORY};
 use crate::{Law, Wants};
@@ -86,6 +87,7 @@ const JOB: &str = include_str!("../../../shaders/job.wgsl");
 const SWEEP: &str = include_str!("../../../shaders/sweep.wgsl");
 const STEP: &str = include_str!("../../../shaders/step.wgsl");
 const CONTACT: &str = include_str!("../../../shaders/contact.wgsl");
+const TABLE: &str = include_str!("../../../shaders/table.wgsl");
 const KICKS: &str = include_str!("../../../shaders/slope/kicks.wgsl");
 const CARRY: &str = include_str!("../../../shaders/slope/carry.wgsl");
 const NUMBER: &str = include_str!("../../../shaders/number.wgsl");
@@ -188,7 +190,8 @@ impl ShaderSpec {
         }
         let mut text = self.law_text();
         let mut add = |file: &str| text += &self.expanded(file);
-        [JOB, STEP].iter().for_each(|file| add(file));
+        let tables = if self.law.has_tables() { &[TABLE][..] } else { &[] };
+        [JOB, STEP].iter().chain(tables).for_each(|file| add(file));
         if self.entry == Entry::Kicks {
             add(KICKS);
             return text + &self.step_text() + "\n" + &self.law.slope_text();
@@ -232,6 +235,12 @@ impl ShaderSpec {
                 let _ = writeln!(head, "const {prefix}{}: u32 = {place}u;", field.to_uppercase());
             }
         }
+        let (columns, rows) = (force_table::COLUMNS, force_table::ROWS);
+        let fields = self.drive_fields().len();
+        let _ = writeln!(
+            head,
+            "const TABLE_COLUMNS: u32 = {columns}u;\nconst TABLE_ROWS: u32 = {rows}u;\nconst DRIVE_FIELDS: u32 = {fields}u;"
+        );
         let member = |field: &&str| format!("    {field}: real,\n");
         // A structure must have a member.
         let members = if self.law.fields().is_empty() { &["none"] } else { self.law.fields() };

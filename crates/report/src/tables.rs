@@ -123,6 +123,7 @@ fn cure(word: &str) -> &'static str {
             "deeper than the force on the layer, or of the hyperboloid or sphere, is known: do not trust it"
         }
         "adhesive_layer" => "the attraction is that of a thick sample",
+        "beyond_table" => "the tip is deeper than its table of forces",
         "rigid_tip" => "give the tip its youngs_modulus and poisson_ratio",
         _ => "",
     }

@@ -33,10 +33,13 @@ fn instruction_sets_that_fuse_give_the_same_bits() {
         let losses = [
             ("-shaped", "[instrument.tip]\nshape = \"sphere\""),
             ("-viscous", "retardation_time = \"200 ns\""),
+            ("sum", "[[contact.outside]]\nforce = \"electrostatic\"\nbias = \"1 V\"\ncut_off = \"0.5 nm\""),
             ("-relaxing", "instantaneous_modulus = \"60 GPa\"\nrelaxation_time = \"200 ns\""),
         ];
         let lossy = losses.iter().find_map(|(end, loss)| Some((law.name().strip_suffix(end)?, *loss)));
         let (word, viscosity) = lossy.unwrap_or((law.name(), ""));
+        let (word, viscosity, outside) =
+            if word.is_empty() { ("dmt", "", viscosity) } else { (word, viscosity, "") };
         for modes in 1..=8 {
             let text = format!(
                 r#"
@@ -65,6 +68,7 @@ periods = 12
 measure = 5
 modes = {modes}
 steps_per_period = {}
+{outside}
 "#,
                 if modes > 4 { 512 } else { 128 }
             );

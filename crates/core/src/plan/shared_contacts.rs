@@ -9,11 +9,14 @@ use std::collections::HashMap;
 /// Most contacts that are stored. If there are more, each is made from the scene's case on demand.
 const MAX_SHARED_CONTACTS: usize = 1 << 16;
 
+/// The constants of a contact, bit by bit.
+type Key = [u64; 9 + 2 * crate::kernel::contact::TERMS];
+
 /// The contacts of an ensemble while it is built.
 pub(super) struct SharedContacts {
     all: Vec<Compact>,
     /// Their numbers by their constants.
-    known: HashMap<[u64; 9], Vec<u32>>,
+    known: HashMap<Key, Vec<u32>>,
     /// By instance so far: the number of its contact. `None` if too many are distinct.
     of: Option<Codes>,
 }

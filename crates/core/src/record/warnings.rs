@@ -10,7 +10,7 @@ use crate::scene::{Cases, ForceBranch, Params, Scene};
 use rayon::prelude::*;
 
 /// Names of the bits of `contact_warnings`.
-pub const WARNINGS: [&str; 7] = [
+pub const WARNINGS: [&str; 8] = [
     "law_does_not_fit",
     "between_laws",
     "adhesion_left_out",
@@ -18,6 +18,7 @@ pub const WARNINGS: [&str; 7] = [
     "rigid_tip",
     "beyond_series",
     "adhesive_layer",
+    "beyond_table",
 ];
 
 fn bit(warning: &Warning) -> u8 {
@@ -29,6 +30,7 @@ fn bit(warning: &Warning) -> u8 {
         Warning::RigidTip { .. } => 1 << 4,
         Warning::BeyondSeries { .. } => 1 << 5,
         Warning::AdhesiveLayer => 1 << 6,
+        Warning::BeyondTable { .. } => 1 << 7,
     }
 }
 

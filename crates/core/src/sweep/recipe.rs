@@ -66,13 +66,18 @@ impl RecipeOptions {
     }
 }
 
-/// CRC-32 of a scene's text and of every number that it sweeps, which may come from another file.
+/// CRC-32 of a scene's text, and of every number that it sweeps or that its table of forces has: they may come from another
+/// file.
 fn sum(scene: &Scene) -> String {
     let mut sum = crc32fast::Hasher::new();
     sum.update(scene.source.as_bytes());
     for axis in scene.sweep.quantities() {
         sum.update(axis.path.as_bytes());
         axis.values.iter().for_each(|value| sum.update(&value.to_bits().to_le_bytes()));
+    }
+    if let Some(table) = &scene.base.contact.table {
+        let numbers = table.indentations.iter().chain(&table.forces);
+        numbers.for_each(|number| sum.update(&number.to_bits().to_le_bytes()));
     }
     format!("{:08x}", sum.finalize())
 }

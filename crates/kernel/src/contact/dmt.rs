@@ -4,7 +4,7 @@
 
 use super::hertz::{Elastic, Hertz, Mean};
 use super::path::{Path, corrected};
-use super::{Approach, Interaction, Kick, Lane, touching_at, when};
+use super::{Approach, Interaction, Kick, Lane, Zip, touching_at, when};
 use crate::constants::{EIGHT, HALF, ONE, TAIL_1, TAIL_2, TAIL_POLE, THIRD, ZERO};
 
 /// The attraction: `adhesion` is 2 pi R w as impulse per step; `inverse_decay` 1/D0 per unit of length.
@@ -132,6 +132,90 @@ impl<L: Lane> TailPull<L> {
     }
 }
 
+/// Mean of a force beside contact and attraction along a piece of path.
+#[derive(Clone, Copy)]
+pub(super) struct TermMean<L> {
+    pub force: L,
+    pub slope: L,
+    /// Its first moment about the middle of the step, less that of a force which changes evenly, over the length of the piece.
+    pub lean: L,
+}
+
+impl<L: Lane> Zip<L> for TermMean<L> {
+    #[inline(always)]
+    fn zip(self, other: Self, join: &mut dyn FnMut(L, L) -> L) -> Self {
+        Self {
+            force: join(self.force, other.force),
+            slope: join(self.slope, other.slope),
+            lean: join(self.lean, other.lean),
+        }
+    }
+}
+
+/// What acts beside a contact and DMT's attraction.
+pub(super) trait Beside<L> {
+    /// The force of contact and attraction with it.
+    fn sampled(&self, contact: L, indentation: L) -> L;
+
+    /// Its mean along a piece of path, if there is any.
+    fn along(&self, path: Path<L>) -> Option<TermMean<L>>;
+}
+
+/// Nothing.
+impl<L> Beside<L> for () {
+    #[inline(always)]
+    fn sampled(&self, contact: L, _: L) -> L {
+        contact
+    }
+
+    #[inline(always)]
+    fn along(&self, _: Path<L>) -> Option<TermMean<L>> {
+        None
+    }
+}
+
+/// The kick of a contact under the attraction, with what acts beside them.
+#[inline(always)]
+pub(super) fn tail_kick<L: Lane, E: Elastic<L>>(
+    (contact, tail): (&E, &Tail<L>),
+    beside: &impl Beside<L>,
+    at: Approach<L>,
+) -> Kick<L> {
+    let (zero, adhesion) = (L::splat(ZERO), tail.adhesion);
+    let y = L::splat(ONE) / tail.stretch(at.indentation);
+    let sample = when(
+        zero.less(at.indentation),
+        -(adhesion * y * y),
+        #[inline(always)]
+        || (-(adhesion * y)).mul_add(y, contact.sample(at.indentation)),
+    );
+    let path = Path::around(at, beside.sampled(sample, at.indentation));
+    let fall = tail.fall(path);
+    let elastic = when(
+        L::either(zero.less(path.start), zero.less(path.end)),
+        Mean::none(),
+        #[inline(always)]
+        || contact.mean(path),
+    );
+    let pull = tail.along(fall, elastic.share);
+    let (force, slope) = (elastic.force - pull.force, elastic.slope - pull.slope);
+    let (impulse, shift) = match beside.along(path) {
+        None => {
+            let straight = corrected(force, slope);
+            pull.bent((adhesion, at.acceleration - force), elastic.share, straight)
+        }
+        Some(term) => {
+            let force = force + term.force;
+            let straight = corrected(force, slope + term.slope);
+            let bending = at.acceleration - force;
+            let (impulse, shift) = pull.bent((adhesion, bending), elastic.share, straight);
+            let length = path.end - path.start;
+            ((-bending).mul_add(term.lean, impulse), (-term.lean).mul_add(length, shift))
+        }
+    };
+    Kick { impulse, shift, contact: elastic.share, touching: touching_at(path.end), ..Kick::none() }
+}
+
 impl<L: Lane, E: Elastic<L>> Interaction<L> for Dmt<L, E> {
     const FIELDS: &'static [&'static str] = E::WITH_TAIL;
     const SHIFTS: bool = true;
@@ -144,26 +228,6 @@ impl<L: Lane, E: Elastic<L>> Interaction<L> for Dmt<L, E> {
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        let (zero, adhesion) = (L::splat(ZERO), self.tail.adhesion);
-        let y = L::splat(ONE) / self.tail.stretch(at.indentation);
-        let sample = when(
-            zero.less(at.indentation),
-            -(adhesion * y * y),
-            #[inline(always)]
-            || (-(adhesion * y)).mul_add(y, self.contact.sample(at.indentation)),
-        );
-        let path = Path::around(at, sample);
-        let fall = self.tail.fall(path);
-        let elastic = when(
-            L::either(zero.less(path.start), zero.less(path.end)),
-            Mean::none(),
-            #[inline(always)]
-            || self.contact.mean(path),
-        );
-        let pull = self.tail.along(fall, elastic.share);
-        let force = elastic.force - pull.force;
-        let straight = corrected(force, elastic.slope - pull.slope);
-        let (impulse, shift) = pull.bent((adhesion, at.acceleration - force), elastic.share, straight);
-        Kick { impulse, shift, contact: elastic.share, touching: touching_at(path.end), ..Kick::none() }
+        tail_kick((&self.contact, &self.tail), &(), at)
     }
 }

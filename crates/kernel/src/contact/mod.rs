@@ -1,6 +1,7 @@
 //! The laws as the kernel needs them: mean force along a piece of the tip's path, and when within the step it acts.
 
 mod dmt;
+pub mod force_table;
 mod hertz;
 mod jkr;
 mod jkr_curve;
@@ -8,6 +9,7 @@ mod kelvin_voigt;
 mod path;
 mod relaxing_hertz;
 mod shaped;
+mod sum;
 
 pub use dmt::{Dmt, Tail};
 pub use hertz::{Elastic, Hertz};
@@ -15,6 +17,7 @@ pub use jkr::Jkr;
 pub use kelvin_voigt::{Clean, KelvinVoigt};
 pub use relaxing_hertz::RelaxingHertz;
 pub use shaped::{POWERS, ShapedHertz};
+pub use sum::{Sum, TERMS};
 
 use super::Lane;
 use super::constants::{FAR, ONE, ZERO};

@@ -2,9 +2,13 @@
 
 use super::tabor::{fitting_law, tabor_parameter};
 use super::{
-    Contact, Law, Layer, Model, NEGLIGIBLE_ADHESION, combined_modulus, retardation_time, work_of_adhesion,
+    Attraction, Contact, Law, Layer, Model, NEGLIGIBLE_ADHESION, SpheroCone, combined_modulus,
+    retardation_time, work_of_adhesion,
 };
-use crate::scene::{DriveFrequency, LawChoice, Params, TipShape, Viscosity, ViscosityModel};
+use crate::kernel::contact::TERMS;
+use crate::scene::{
+    ContactParams, DriveFrequency, LawChoice, Params, TermForce, TipShape, Viscosity, ViscosityModel,
+};
 use std::f64::consts::PI;
 
 /// A contact without the constants of its law, which follow: half as large, for those who hold very many.
@@ -32,6 +36,8 @@ pub struct Compact {
     pub half_angle: f64,
     /// The sample, if it is a thin layer.
     pub layer: Option<Layer>,
+    /// Forces beside the contact, of [`Law::Sum`]; of a sphero-cone the first is the contact itself.
+    pub terms: [Option<TermForce>; TERMS],
 }
 
 impl Compact {
@@ -46,7 +52,7 @@ impl Compact {
 
     /// The same under a drive of this frequency (Hz), at which the sample's loss tangent counts.
     pub fn at_frequency(params: &Params, frequency: f64) -> Self {
-        let of = Self::for_load(params, f64::NAN).shaped(params);
+        let of = Self::for_load(params, f64::NAN).shaped(params).summed(params);
         if let Viscosity::Relaxing { modulus, time } = params.sample.viscosity {
             return of.relaxing(params, modulus, time);
         }
@@ -89,6 +95,7 @@ impl Compact {
             shape: TipShape::Paraboloid,
             half_angle: 0.0,
             layer: None,
+            terms: [None; TERMS],
         }
     }
 
@@ -102,6 +109,32 @@ impl Compact {
                 Self { law, shape: tip.shape, half_angle: tip.half_angle.unwrap_or(0.0), layer, ..self }
             }
             _ => self,
+        }
+    }
+
+    /// The same with the forces that the case has beside the contact.
+    fn summed(self, params: &Params) -> Self {
+        let ContactParams { table, outside, .. } = &params.contact;
+        let whole = self.choice == LawChoice::Sum;
+        let table = table.as_ref().map(|table| table.term(whole));
+        let cap = (self.shape == TipShape::SpheroCone)
+            .then(|| SpheroCone::new(self.half_angle).term(0.75 * self.modulus, self.radius));
+        let outside = outside.iter().map(|force| force.term(self.radius));
+        let mut all = cap.into_iter().chain(table).chain(outside).peekable();
+        match self.law.summed() {
+            Some(law) if all.peek().is_some() => {
+                Self { law, terms: std::array::from_fn(|_| all.next()), ..self }
+            }
+            _ => self,
+        }
+    }
+
+    /// Where adhesion of the contact itself acts.
+    pub(super) fn attraction(&self) -> Attraction {
+        match (self.law, self.choice) {
+            (Law::Sum, LawChoice::Dmt) => Attraction::Distant,
+            (Law::Sum, _) => Attraction::None,
+            (law, _) => law.attraction(),
         }
     }
 
@@ -120,12 +153,28 @@ impl Compact {
     }
 
     /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m), combined modulus at once (Pa),
-    /// retardation time (s), half-angle (degree), and a layer's thickness (m) and Poisson ratio.
-    pub fn constants(&self) -> [f64; 9] {
+    /// retardation time (s), half-angle (degree), a layer's thickness (m) and Poisson ratio, and the other forces' amplitudes
+    /// (N) and lengths (m).
+    pub fn constants(&self) -> [f64; 9 + 2 * TERMS] {
         let [at_once, later, angle] = [self.instantaneous, self.retardation, self.half_angle];
         let (thickness, ratio) =
             self.layer.map_or((f64::INFINITY, 0.0), |layer| (layer.thickness, layer.poisson_ratio));
-        [self.modulus, self.radius, self.work, self.decay_length, at_once, later, angle, thickness, ratio]
+        let own = [
+            self.modulus,
+            self.radius,
+            self.work,
+            self.decay_length,
+            at_once,
+            later,
+            angle,
+            thickness,
+            ratio,
+        ];
+        let terms = self.terms.map(|term| term.map_or([0.0; 2], |term| [term.amplitude, term.length]));
+        std::array::from_fn(|n| match n.checked_sub(own.len()) {
+            None => own[n],
+            Some(n) => terms[n / 2][n % 2],
+        })
     }
 
     /// The contact, to the bit.

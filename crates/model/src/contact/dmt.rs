@@ -38,6 +38,11 @@ impl Dmt {
 }
 
 impl<E> Dmt<E> {
+    /// D0, m.
+    pub(super) fn decay(&self) -> f64 {
+        self.decay_length
+    }
+
     fn beside(elastic: E, radius: f64, work: f64, decay_length: f64) -> Self {
         Self { elastic, radius, work, adhesion: 2.0 * PI * work * radius, decay_length }
     }

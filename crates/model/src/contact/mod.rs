@@ -17,6 +17,7 @@
 //! | [`ShapedHertz`] | a tip of another shape, or a thin [`Layer`]; DMT's attraction under a round tip | as above | no |
 //! | [`Viscous`] | those of Hertz and DMT with a term of the rate, see there | those | no |
 //! | [`RelaxingHertz`] | that of Hertz with a modulus that falls from one value to another | 0 | no |
+//! | [`Sum`] | a contact without adhesion or DMT's, or none, and up to four forces beside it | those | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
 
 mod contact_parameters;
@@ -28,8 +29,10 @@ mod no_sample;
 mod ramp;
 mod relaxing;
 mod shaped;
+mod sphero_cone;
 mod static_curve;
 mod static_law;
+mod sum;
 mod tabor;
 mod viscous;
 mod warning;
@@ -44,8 +47,10 @@ pub use ramp::{Jump, Ramp, RampCurve};
 pub use relaxing::RelaxingHertz;
 pub use shaped::ShapedHertz;
 pub use shaped::{HYPERBOLOID_REACH, SPHERE_REACH};
+pub use sphero_cone::{SPHERO_CONE_REACH, SpheroCone};
 pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use static_law::{KernelUnits, Passed, StaticLaw};
+pub use sum::Sum;
 pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_parameter};
 pub use viscous::Viscous;
 pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};
@@ -148,6 +153,7 @@ impl Contact {
         match &self.model {
             Model::ShapedHertz(law) => Some(law),
             Model::ShapedDmt(law) => Some(&law.elastic),
+            Model::Sum(law) => Some(&law.contact.elastic),
             _ => None,
         }
     }
@@ -300,6 +306,7 @@ mod tests {
             "hertz-relaxing",
             "hertz-shaped",
             "dmt-shaped",
+            "sum",
         ];
         assert_eq!(Law::ALL.map(Law::name), names);
         for law in Law::ALL {

@@ -44,6 +44,7 @@ const PYRAMID: f64 = 0.7453;
 /// | cone | `(2/pi) E* tan(alpha) delta^2` |
 /// | four-sided pyramid | `0.7453 E* tan(alpha) delta^2` |
 /// | flat punch of radius R | `2 E* R delta` |
+/// | cone with a spherical cap | none: a table, see [`super::SpheroCone`] |
 /// | hyperboloid of apex radius R | `K sqrt(R) delta^1.5 (1 + x/10 + ...)`, `x = delta tan(alpha)^2/R` |
 /// | paraboloid or cone on a layer | that on a half-space times a series |
 ///
@@ -72,6 +73,8 @@ impl From<&Compact> for ShapedHertz {
             TipShape::Cone => coefficients[2] = modulus / PI * of.half_angle.to_radians().tan(),
             TipShape::Pyramid => coefficients[2] = 0.5 * PYRAMID * modulus * of.half_angle.to_radians().tan(),
             TipShape::Punch => coefficients[0] = modulus * radius,
+            // Its force is a table beside the contact.
+            TipShape::SpheroCone => {}
             TipShape::Hyperboloid => {
                 let steep = of.half_angle.to_radians().tan() / radius.sqrt();
                 for (k, factor) in HYPERBOLOID.into_iter().enumerate() {

@@ -85,7 +85,7 @@ pub trait StaticLaw {
 }
 
 /// The least depth, m, from which on something holds.
-fn first_depth(holds: impl Fn(f64) -> bool) -> f64 {
+pub(super) fn first_depth(holds: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high): (f64, f64) = (1e-15, 1e-3);
     for _ in 0..60 {
         let middle = (low * high).sqrt();

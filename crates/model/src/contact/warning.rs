@@ -3,7 +3,7 @@
 use super::tabor::fitting_law;
 use super::{
     Attraction, Contact, DMT_BELOW, HYPERBOLOID_REACH, JKR_ABOVE, LAYER_REACH, Law, NEGLIGIBLE_ADHESION,
-    SPHERE_REACH,
+    SPHERE_REACH, SPHERO_CONE_REACH,
 };
 use crate::scene::{LawChoice, Params, TipShape};
 use crate::units::{Dimension, shown};
@@ -72,7 +72,7 @@ pub enum Warning {
         shown(*indentation, Dimension::Length),
         match shape {
             TipShape::Hyperboloid => "indentation times tan(half_angle)^2 over the tip radius",
-            TipShape::Sphere => "indentation over the sphere's radius",
+            TipShape::Sphere | TipShape::SpheroCone => "indentation over the tip's radius",
             _ => "contact radius over the layer's thickness",
         }
     )]
@@ -83,6 +83,14 @@ pub enum Warning {
          adhesion only"
     )]
     AdhesiveLayer,
+    /// The tip sinks in deeper than its table of forces reaches.
+    #[error(
+        "at an indentation of {} the tip is deeper than the table of forces reaches, {}: there the force goes straight on; do \
+         not trust it",
+        shown(*indentation, Dimension::Length),
+        shown(*reach, Dimension::Length)
+    )]
+    BeyondTable { indentation: f64, reach: f64 },
 }
 
 impl Contact {
@@ -95,13 +103,15 @@ impl Contact {
             warnings.extend(self.adhesion_warning(indentation));
             warnings.extend(self.strain_warning(indentation));
             warnings.extend(self.series_warning(indentation));
+            warnings.extend(self.table_warning(params, indentation));
         }
-        if self.layer.is_some() && self.law.attraction() == Attraction::Distant && self.work > 0.0 {
+        if self.layer.is_some() && self.attraction() == Attraction::Distant && self.work > 0.0 {
             warnings.push(Warning::AdhesiveLayer);
         }
         let sample_modulus = params.sample.youngs_modulus;
         let rigid = params.instrument.tip.youngs_modulus == f64::INFINITY;
-        if self.law.acts() && rigid && sample_modulus > RIGID_TIP_MODULUS {
+        let pressed = self.law.acts() && self.choice != LawChoice::Sum;
+        if pressed && rigid && sample_modulus > RIGID_TIP_MODULUS {
             warnings.push(Warning::RigidTip { sample_modulus });
         }
         warnings
@@ -109,11 +119,12 @@ impl Contact {
 
     /// Whether the law fits Tabor's parameter. It is a thick sample's; of a layer another warning tells.
     fn tabor_warning(&self) -> Option<Warning> {
-        let (law, tabor) = (self.law, self.tabor());
+        let law = if self.law == Law::Sum { Law::Dmt } else { self.law };
+        let tabor = self.tabor();
         if self.layer.is_some() {
             return None;
         }
-        let wrong = match law.attraction() {
+        let wrong = match self.attraction() {
             Attraction::None => return None,
             Attraction::Contact => tabor < DMT_BELOW,
             Attraction::Distant => tabor > JKR_ABOVE,
@@ -145,9 +156,17 @@ impl Contact {
                 (indentation * tangent * tangent / self.radius, HYPERBOLOID_REACH)
             }
             (None, TipShape::Sphere) => (indentation / self.radius, SPHERE_REACH),
+            (None, TipShape::SpheroCone) => (indentation / self.radius, SPHERO_CONE_REACH),
             _ => return None,
         };
         (ratio > reach).then_some(Warning::BeyondSeries { indentation, ratio, reach, shape })
+    }
+
+    /// Whether `indentation` is deeper than a table that is the whole force.
+    fn table_warning(&self, params: &Params, indentation: f64) -> Option<Warning> {
+        let table = params.contact.table.as_ref().filter(|_| self.choice == LawChoice::Sum)?;
+        let reach = table.indentations.last().copied()?;
+        (indentation > reach).then_some(Warning::BeyondTable { indentation, reach })
     }
 
     /// Whether `indentation` leaves the range of small strain ([`SMALL_STRAIN`]) under a round tip. The strain under a cone or

@@ -5,8 +5,10 @@
 //! `ha-fung-chen-2005`: Table 1 and the run of section 4 of J.-L. Ha,
 //! R.-F. Fung, Y.-C. Chen, J. Dyn. Syst. Meas. Control 127(4), 705-709 (2005).
 
+pub use super::outside_params::{HydrationStrength, OutsideForce, TabulatedForce, TermForce};
 pub use super::tip_params::*;
 use crate::kernel::{Attraction, Law};
+use std::sync::Arc;
 
 /// The preset of the whole instrument; the others are `levers.rs`'s.
 pub const PRESET: &str = "ha-fung-chen-2005";
@@ -162,7 +164,14 @@ macro_rules! law_choice {
 
             /// Keywords of `contact.law`. Whether the sample is viscous, `[sample]` says.
             pub(super) const WORDS: &[(&str, Self)] =
-                &[Self::LAWS[0], Self::LAWS[1], Self::LAWS[2], Self::LAWS[3], ("auto", Self::Auto)];
+                &[
+                    Self::LAWS[0],
+                    Self::LAWS[1],
+                    Self::LAWS[2],
+                    Self::LAWS[3],
+                    ("table", Self::Sum),
+                    ("auto", Self::Auto),
+                ];
 
             /// The law asked for; none where it is chosen for each instance.
             pub fn law(self) -> Option<Law> {
@@ -174,7 +183,11 @@ macro_rules! law_choice {
 
             /// Where adhesion may act.
             pub(super) fn attraction(self) -> Option<Attraction> {
-                self.law().map(Law::attraction)
+                match self {
+                    // What a table holds is not adhesion that the sample says.
+                    Self::Sum => Some(Attraction::None),
+                    _ => self.law().map(Law::attraction),
+                }
             }
         }
     };
@@ -190,6 +203,10 @@ pub struct ContactParams {
     pub decay_length: f64,
     /// For a viscous sample.
     pub viscosity_model: ViscosityModel,
+    /// A force by numbers: the law itself, or outside contact beside it.
+    pub table: Option<Arc<TabulatedForce>>,
+    /// Forces that act outside contact.
+    pub outside: Vec<OutsideForce>,
 }
 
 /// Where the drive acts.
@@ -335,7 +352,13 @@ impl Default for SampleParams {
 
 impl Default for ContactParams {
     fn default() -> Self {
-        Self { law: LawChoice::Auto, decay_length: 0.3e-9, viscosity_model: ViscosityModel::default() }
+        Self {
+            law: LawChoice::Auto,
+            decay_length: 0.3e-9,
+            viscosity_model: ViscosityModel::default(),
+            table: None,
+            outside: Vec::new(),
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::Scene;
 use super::address::Address;
 use super::levers;
 use super::params::PRESET;
-use super::params::{ActuatorModel, LawChoice, LeverSpec};
+use super::params::{ActuatorModel, LawChoice, LeverSpec, OutsideForce};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
 use super::scene_error::{Fault, SceneError};
@@ -61,7 +61,14 @@ impl Scene {
         let swept = self.sweep.quantities().any(|axis| axis.path == LAW);
         let law = if swept { LawChoice::Auto } else { base.contact.law };
         let lever = &base.instrument.cantilever.lever;
+        let radius = base.contact.outside.iter().any(OutsideForce::needs_radius);
         match path {
+            // A table is the whole force.
+            "instrument.tip.radius" if law == LawChoice::Sum => radius,
+            "instrument.tip.youngs_modulus" | "instrument.tip.poisson_ratio" if law == LawChoice::Sum => {
+                false
+            }
+            _ if path.starts_with("sample.") && law == LawChoice::Sum => false,
             "instrument.cantilever.quality_factor" => !matches!(lever, LeverSpec::Modes(_)),
             "instrument.tip.poisson_ratio" => {
                 law != LawChoice::None

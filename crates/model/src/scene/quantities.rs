@@ -89,6 +89,54 @@ const PER_MODE: Access = Access {
         }
     },
 };
+/// A value of one of the forces outside contact.
+macro_rules! outside {
+    ($variant:ident, $member:ident) => {
+        Access {
+            get: |params, index| match params.contact.outside.get(index) {
+                Some(OutsideForce::$variant { $member, .. }) => Some(*$member),
+                _ => None,
+            },
+            set: |params, index, value| {
+                if let Some(OutsideForce::$variant { $member, .. }) = params.contact.outside.get_mut(index) {
+                    *$member = value;
+                }
+            },
+        }
+    };
+}
+
+/// How strong hydration is, in one of two ways.
+macro_rules! strength {
+    ($variant:ident) => {
+        Access {
+            get: |params, index| match params.contact.outside.get(index) {
+                Some(OutsideForce::Hydration { strength: HydrationStrength::$variant(value), .. }) => {
+                    Some(*value)
+                }
+                _ => None,
+            },
+            set: |params, index, value| {
+                if let Some(OutsideForce::Hydration { strength, .. }) = params.contact.outside.get_mut(index)
+                {
+                    *strength = HydrationStrength::$variant(value);
+                }
+            },
+        }
+    };
+}
+
+const PERIOD: Access = Access {
+    get: |params, index| match params.contact.outside.get(index) {
+        Some(OutsideForce::Hydration { period, .. }) => *period,
+        _ => None,
+    },
+    set: |params, index, value| {
+        if let Some(OutsideForce::Hydration { period, .. }) = params.contact.outside.get_mut(index) {
+            *period = Some(value);
+        }
+    },
+};
 const GAP: Access = Access {
     get: |params, _| params.approach.held.is_none().then_some(params.approach.gap),
     set: |params, _, value| (params.approach.gap, params.approach.held) = (value, None),
@@ -236,6 +284,30 @@ quantities! {
         "thickness of a layer on a rigid ground", Length, Positive, [1e-9, 1e-3], PARTS;
     "contact.decay_length", field!(contact.decay_length),
         "decay length of the attraction", Length, Positive, [1e-12, 1e-8], [1e-16, 1e-6];
+    "contact.outside.#.bias", outside!(Electrostatic, bias),
+        "force # bias", Voltage, Finite, [1e-3, 100.0], [1e-9, 1e4];
+    "contact.outside.#.contact_potential", outside!(Electrostatic, contact_potential),
+        "force # contact potential", Voltage, Finite, [1e-3, 10.0], [1e-9, 1e4];
+    "contact.outside.#.cut_off", outside!(Electrostatic, cut_off),
+        "force # distance of the charges at touch", Length, Positive, [1e-11, 1e-7], [1e-13, 1e-3];
+    "contact.outside.#.tip_charge", outside!(DoubleLayer, tip_charge),
+        "force # charge of the tip per area", SurfaceCharge, Finite, [1e-6, 1.0], [1e-9, 100.0];
+    "contact.outside.#.sample_charge", outside!(DoubleLayer, sample_charge),
+        "force # charge of the sample per area", SurfaceCharge, Finite, [1e-6, 1.0], [1e-9, 100.0];
+    "contact.outside.#.screening_length", outside!(DoubleLayer, screening_length),
+        "force # Debye length", Length, Positive, [1e-10, 1e-6], [1e-12, 1e-4];
+    "contact.outside.#.permittivity", outside!(DoubleLayer, permittivity),
+        "force # relative permittivity", Dimensionless, Positive, [1.0, 200.0], [0.1, 1e4];
+    "contact.outside.#.pressure", strength!(Pressure),
+        "force # pressure between flat walls at touch", Pressure, Finite, [1e3, 1e10], [1.0, 1e13];
+    "contact.outside.#.strength", strength!(Force),
+        "force # at touch", Force, Finite, [1e-13, 1e-6], [1e-17, 1e-2];
+    "contact.outside.#.decay_length", outside!(Hydration, decay_length),
+        "force # decay length", Length, Positive, [1e-11, 1e-7], [1e-13, 1e-4];
+    "contact.outside.#.period", PERIOD,
+        "force # period", Length, Positive, [1e-11, 1e-7], [1e-13, 1e-4];
+    "contact.outside.#.phase", outside!(Hydration, phase),
+        "force # phase at touch", Angle, Finite, [1e-3, 360.0], ANY;
     "drive.frequency", variant!(drive.frequency, DriveFrequency::Hertz),
         "drive frequency", Frequency, Positive, [0.1, 1e9], FREQUENCIES;
     "drive.voltage", variant!(drive.level, DriveLevel::Voltage),

@@ -7,6 +7,8 @@ use super::address::Address;
 use super::axis_zip::varies_twice;
 use super::draft::{Draft, Said};
 use super::drive_rules;
+use super::outside_rules;
+use super::outside_section::{self, OUTSIDE};
 use super::params::*;
 use super::paths::{CALIBRATION, LEVELS, MODES, RELAXATION, VISCOSITIES};
 use super::sample_rules;
@@ -46,6 +48,7 @@ pub(super) fn check(draft: &mut Draft, sweep: &SweptAxes) -> Checked<()> {
     lever_is_complete(draft)?;
     drive_rules::check(draft)?;
     adhesion_fits(draft, sweep)?;
+    outside_rules::forces_fit(draft, sweep)?;
     sample_rules::viscosity_fits(draft, sweep)?;
     sample_rules::relaxation_fits(draft, sweep)?;
     tip_rules::shape_fits(draft, sweep)?;
@@ -214,6 +217,7 @@ fn indices_exist(draft: &Draft) -> Checked<()> {
         QualityFactor::PerMode(values) => values.len(),
         QualityFactor::All(_) => 0,
     };
+    outside_exist(draft)?;
     for said in draft.said.iter().filter(|said| said.swept && said.path.starts_with(LEVER)) {
         let Some(address) = Address::find(&said.path) else { continue };
         let (list, length) = match said.path.strip_prefix(LEVER) {
@@ -233,6 +237,27 @@ fn indices_exist(draft: &Draft) -> Checked<()> {
                     "list the entry in [instrument.cantilever], then sweep it by `{}`",
                     said.path
                 )));
+        }
+    }
+    Ok(())
+}
+
+/// An axis over a force outside contact needs that force, which has this key.
+fn outside_exist(draft: &Draft) -> Checked<()> {
+    for said in draft.said.iter().filter(|said| said.swept && said.path.starts_with(OUTSIDE)) {
+        let key = said.path.rsplit('.').next().unwrap_or_default();
+        let exists = |address: Address| {
+            let force = draft.params.contact.outside.get(address.index);
+            force.is_some_and(|force| outside_section::keys(force).0.contains(&key))
+        };
+        if Address::find(&said.path).is_some_and(|address| !exists(address)) {
+            return Err(Fault::at(said.key.clone(), format!("`{}` does not exist", said.path))
+                .label(format!(
+                    "the scene lists {} such forces, counted from 0",
+                    draft.params.contact.outside.len()
+                ))
+                .expected("a quantity that a [[contact.outside]] of the scene gives")
+                .help("give it there, then sweep it by this path"));
         }
     }
     Ok(())

@@ -8,7 +8,7 @@ use super::params::PRESET;
 use super::params::*;
 use super::quantities::QUANTITIES;
 use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, SETPOINTS_OF, VISCOUS};
-use super::{Axis, Drawn, Layout, Scene, TableFile, curve_section, output};
+use super::{Axis, Drawn, Layout, Scene, TableFile, curve_section, output, outside_section};
 use crate::design::{Design, DesignKind, Distribution, Parameter};
 use crate::units::{Dimension, format as written};
 use std::fmt::Write;
@@ -52,6 +52,7 @@ impl Scene {
             writeln!(text, "viscosity_model = {model}")?;
         }
         self.write_section(text, "contact")?;
+        self.write_outside(text)?;
         writeln!(text, "\n[drive]\non = {}", word(&DRIVE_ON, base.drive.on))?;
         if base.drive.frequency == DriveFrequency::Resonance {
             writeln!(text, "frequency = \"resonance\"")?;
@@ -113,6 +114,24 @@ impl Scene {
             writeln!(text, "    {{ {} }},", entries.join(", "))?;
         }
         writeln!(text, "]")
+    }
+
+    fn write_outside(&self, text: &mut String) -> std::fmt::Result {
+        let contact = &self.base.contact;
+        if let Some(table) = &contact.table {
+            writeln!(text, "{}", outside_section::written(table))?;
+        }
+        for (index, force) in contact.outside.iter().enumerate() {
+            writeln!(text, "\n[[contact.outside]]\nforce = {}", quoted(force.word()))?;
+            for key in outside_section::keys(force).0 {
+                if let Some(address) = Address::find(&format!("contact.outside.{index}.{key}"))
+                    && let Some(value) = address.get(&self.base)
+                {
+                    writeln!(text, "{key} = {}", address.written(value))?;
+                }
+            }
+        }
+        Ok(())
     }
 
     fn write_sweep(&self, text: &mut String) -> std::fmt::Result {

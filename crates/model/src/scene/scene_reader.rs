@@ -198,12 +198,22 @@ impl Draft {
             self.params.sample.bonded = bonded;
             self.say(BONDED.to_owned(), key.span());
         }
-        if let Some(table) = self.section(document, "contact", &["law", "viscosity_model"]) {
+        if let Some(table) =
+            self.section(document, "contact", &["law", "viscosity_model", "table", "outside"])
+        {
             if let Some(law) = self.choice(table, "contact.law", LawChoice::WORDS) {
                 self.params.contact.law = law;
             }
             if let Some(model) = self.choice(table, VISCOSITY_MODEL, &VISCOUS) {
                 self.params.contact.viscosity_model = model;
+            }
+            if let Some((key, value)) = table.get_key_value("outside") {
+                let read = self.outside(key, value);
+                self.faults.take(read);
+            }
+            if let Some((key, value)) = table.get_key_value("table") {
+                let read = self.table(key, value);
+                self.faults.take(read);
             }
         }
         if let Some(table) = self.section(document, "drive", &["on"])

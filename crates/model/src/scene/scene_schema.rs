@@ -8,14 +8,16 @@ use super::axis_zip::LABEL;
 use super::design_section::{KEYS as DESIGN_KEYS, LEVELS, MOST_LEVELS};
 use super::levers;
 use super::output::{ALL, BRANCHES, KEYS, OUTPUT_KEYS, SPECTRUM_KEYS, STARTS, WAVEFORM_KEYS, WAYS};
-use super::params::{LawChoice, Params, TipShape};
+use super::params::{LawChoice, OutsideForce, Params, TipShape};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
 use super::quantity::{Domain, Quantity};
 use super::scene_reader::{BRANCHES_HELD, DRIVE_ON, MODELS, MOST_MODES, SECTIONS, SETPOINTS_OF, VISCOUS};
 use super::uncertain_section::{KEYS as DISTRIBUTIONS, SIGMAS};
-use super::{STEPPED_MODES, curve_section};
+use super::{STEPPED_MODES, curve_section, outside_section};
 use crate::design::DesignKind;
+use crate::kernel::contact::TERMS;
+use crate::kernel::contact::force_table::KNOTS;
 use crate::observe::Observable;
 use crate::units::Dimension;
 use serde_json::{Map, Value, json};
@@ -137,7 +139,12 @@ impl Texts<'_> {
         let choices = match section {
             "instrument.actuator" => vec![("model", word(&MODELS))],
             "contact" => {
-                vec![("law", word(LawChoice::WORDS)), ("viscosity_model", word(&VISCOUS))]
+                vec![
+                    ("law", word(LawChoice::WORDS)),
+                    ("viscosity_model", word(&VISCOUS)),
+                    ("table", json!({ "anyOf": [text(), force_lists()] })),
+                    ("outside", self.outside()),
+                ]
             }
             "sample" => vec![("bonded", json!({ "type": "boolean" }))],
             "instrument.tip" => vec![("shape", word(&TipShape::WORDS))],
@@ -170,6 +177,19 @@ impl Texts<'_> {
         let part = |key| (key, object(self.quantities(&format!("instrument.{key}"))));
         let preset = [("preset", word(&levers::presets()))];
         object(self.entries("instrument", preset.into_iter().chain(parts.map(part))))
+    }
+
+    /// `[[contact.outside]]`: each force with its own keys.
+    fn outside(&self) -> Value {
+        let force = |(word, force): &(&str, OutsideForce)| {
+            let (known, _) = outside_section::keys(force);
+            let all = self.quantities("contact.outside.#");
+            let own = all.into_iter().filter(|(key, _)| known.contains(&key.as_str()));
+            let properties = own.chain([("force".to_owned(), json!({ "const": word }))]).collect();
+            with_required(properties, &["force"])
+        };
+        let forces: Vec<Value> = OutsideForce::WORDS.iter().map(force).collect();
+        json!({ "type": "array", "minItems": 1, "maxItems": TERMS, "items": { "anyOf": forces } })
     }
 
     fn design(&self) -> Value {
@@ -227,6 +247,16 @@ impl Texts<'_> {
         };
         with_required(self.keys(section, keys.iter().copied(), value), &["instances"])
     }
+}
+
+/// A table of forces in lists.
+fn force_lists() -> Value {
+    let column = || json!({ "type": "array", "minItems": 4, "maxItems": KNOTS - 1, "items": text() });
+    let of = |place: &str| {
+        let columns = [place, "force"].map(|key| (key.to_owned(), column()));
+        with_required(columns.into_iter().collect(), &[place, "force"])
+    };
+    json!({ "anyOf": [of("indentation"), of("distance")] })
 }
 
 /// A list with an entry for each mode of the lever at most.

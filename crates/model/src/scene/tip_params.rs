@@ -31,22 +31,25 @@ pub enum TipShape {
     Punch,
     /// A cone whose end is rounded: a hyperboloid of revolution.
     Hyperboloid,
+    /// A cone with a spherical cap.
+    SpheroCone,
 }
 
 impl TipShape {
     /// Keywords of `instrument.tip.shape`.
-    pub(super) const WORDS: [(&str, Self); 6] = [
+    pub(super) const WORDS: [(&str, Self); 7] = [
         ("paraboloid", Self::Paraboloid),
         ("sphere", Self::Sphere),
         ("cone", Self::Cone),
         ("pyramid", Self::Pyramid),
         ("punch", Self::Punch),
         ("hyperboloid", Self::Hyperboloid),
+        ("sphero-cone", Self::SpheroCone),
     ];
 
     /// Whether a half-angle belongs to what describes it.
     pub fn has_angle(self) -> bool {
-        matches!(self, Self::Cone | Self::Pyramid | Self::Hyperboloid)
+        matches!(self, Self::Cone | Self::Pyramid | Self::Hyperboloid | Self::SpheroCone)
     }
 
     /// Whether a radius does.

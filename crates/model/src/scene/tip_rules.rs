@@ -72,6 +72,7 @@ pub(super) fn layer_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let Some(choice) = misfit else { return Ok(()) };
     let why = match choice.law() {
         None => "law = \"auto\" may choose JKR, which is known for a thick sample alone",
+        Some(Law::Sum) => "a table is the whole force, and knows no layer",
         Some(_) => "JKR is known for a thick sample alone",
     };
     Err(beside_law(fault("the law does not know a layer", why), draft)
@@ -100,6 +101,7 @@ fn law_fits(draft: &Draft, sweep: &SweptAxes, shape: TipShape) -> Checked<()> {
         Some(Law::Dmt) => {
             ("DMT's attraction is that of a round tip", "law = \"hertz\", or a paraboloid or sphere")
         }
+        Some(Law::Sum) => ("a table is the whole force, and knows no shape", "law = \"hertz\""),
         Some(_) => ("JKR is known for a paraboloid alone", "law = \"hertz\", or \"dmt\" under a sphere"),
     };
     let fault = Fault::at(told, "the law does not know this shape of the tip").label(why);

@@ -4,10 +4,12 @@ use crate::engine::checkpoint::InstanceCheckpoint;
 use crate::engine::kernel_constants::{Member, begin, free, gap_and_law, lever, lever_key, member};
 use crate::engine::period_jacobian::begun;
 use crate::engine::start;
+use crate::kernel::contact::force_table::ForceTable;
 use crate::kernel::{Entry, LANDS, LENGTH, Lane, Lever, MODES_MAX, RunSums, ShaderSpec, little, powers};
 use crate::plan::{Class, Plan, SectionState};
 use crate::scene::Start;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Numbers of the shader's precision.
 #[derive(Clone, Debug)]
@@ -77,6 +79,8 @@ pub(super) struct Driven<'a> {
     first_of: Vec<Member<'a>>,
     /// By instance: index among the drives.
     pub drive_of: Vec<u32>,
+    /// Numbers of the force tables that the instances read, rising.
+    force_tables: Vec<usize>,
 }
 
 impl<'a> Driven<'a> {
@@ -95,13 +99,30 @@ impl<'a> Driven<'a> {
                 drives.len() as u32 - 1
             })
             .collect();
-        Self { members, drives, first_of, drive_of }
+        let terms = members.iter().flat_map(|one| one.0.contact.terms.into_iter().flatten());
+        let force_tables: BTreeSet<usize> = terms.map(|term| term.table).collect();
+        Self { members, drives, first_of, drive_of, force_tables: force_tables.into_iter().collect() }
     }
 
-    /// The table of the drives.
+    /// The table of the drives, and after it the force tables of the instances.
     pub fn table(&self, spec: &ShaderSpec, start: Start) -> Numbers {
         let rows: Vec<Vec<f64>> = self.first_of.iter().map(|one| drive_row(spec, *one, start)).collect();
-        Numbers::new(spec.double, transposed(&rows, |row| row))
+        let mut all = transposed(&rows, |row| row);
+        for number in &self.force_tables {
+            all.extend(ForceTable::numbered(*number).rows().iter().flatten());
+        }
+        Numbers::new(spec.double, all)
+    }
+
+    /// Gap and constants of the law; force tables by their places behind the drives.
+    pub fn gap_and_law(&self, one: Member) -> Vec<f64> {
+        let mut all: Vec<f64> = gap_and_law(one).collect();
+        let law = one.0.contact.law;
+        let fields = law.fields().iter().zip(&mut all[1..]);
+        for (_, number) in fields.filter(|(name, _)| law.has_tables() && name.starts_with("table_")) {
+            *number = self.force_tables.binary_search(&(*number as usize)).unwrap_or(0) as f64;
+        }
+        all
     }
 }
 
@@ -117,7 +138,7 @@ pub(super) fn tables(
     let columns: Vec<(Vec<f64>, Vec<f64>)> = (driven.members.par_iter().enumerate())
         .map(|(i, one)| {
             let place = saved.map_or_else(|| begin(*one, plan.run.start), |saved| saved[i]);
-            (gap_and_law(*one).collect(), write(&spec, &place))
+            (driven.gap_and_law(*one), write(&spec, &place))
         })
         .collect();
     let count = instances.len();
@@ -181,7 +202,8 @@ pub(super) fn slope_tables(
             &levers[driven.drive_of[i] as usize].motion[LANDS.start * spec.modes..LANDS.end * spec.modes];
         let lands = lands.iter().map(|value| rounded(*value));
         let little = little(lands, class.steps as usize, least[instance as usize]);
-        let case = gap_and_law(driven.members[i]).chain([little]).chain(told(instance)).collect();
+        let case =
+            driven.gap_and_law(driven.members[i]).into_iter().chain([little]).chain(told(instance)).collect();
         (case, slope_state(&spec, &begun(plan, instance)))
     };
     let columns: Vec<(Vec<f64>, Vec<f64>)> =

@@ -2,8 +2,9 @@
 
 use crate::contact::{Contact, Law};
 use crate::kernel::LENGTH;
-use crate::kernel::contact::POWERS;
-use crate::scene::TipShape;
+use crate::kernel::contact::force_table::{EXPONENTIAL, ForceTable, INVERSE};
+use crate::kernel::contact::{POWERS, TERMS};
+use crate::scene::{LawChoice, TermForce, TipShape};
 use std::f64::consts::PI;
 
 /// A law with its constants; SI units.
@@ -44,6 +45,13 @@ pub(super) enum ReferenceForce {
         arm: f64,
         tau: f64,
     },
+    /// A contact under the attraction, and up to four forces beside it.
+    Sum {
+        indenter: Indenter,
+        adhesion: f64,
+        decay: f64,
+        terms: [Option<TermForce>; TERMS],
+    },
     /// In the contact radius: delta = a^2/R - (2/3) sqrt(6 pi w a/K), f = K a^3/R - sqrt(6 pi w K a^3), equation (16).
     /// `radius` is a at the fold, `unit` a^2/R there.
     Jkr {
@@ -63,6 +71,8 @@ pub(super) enum Indenter {
     Sphere { modulus: f64, radius: f64 },
     /// In s = a/A: delta = (A^2/R) s atan(s), f = E* (A^3/R) (s + (s^2 - 1) atan(s)), with A = R/tan(alpha).
     Hyperboloid { modulus: f64, radius: f64, axis: f64 },
+    /// A cone with a spherical cap of radius R, in the contact radius: Briscoe and others (1994).
+    Capped { modulus: f64, radius: f64, tangent: f64, cap: f64 },
     /// f = sum c_n delta^(n/2), n from 2 on: a tip on a layer, of which this series is the model.
     Series { coefficients: [f64; POWERS] },
 }
@@ -71,18 +81,29 @@ impl Indenter {
     fn new(contact: &Contact) -> Self {
         let modulus = 0.75 * contact.modulus;
         let tangent = contact.half_angle.to_radians().tan();
-        if let (Some(law), Some(_)) = (contact.shaped(), contact.layer) {
+        let series = contact.layer.is_some() || contact.shape == TipShape::Paraboloid;
+        if let (Some(law), true) = (contact.shaped(), series) {
             return Self::Series { coefficients: *law.coefficients() };
         }
         match contact.shape {
             TipShape::Hyperboloid => {
                 Self::Hyperboloid { modulus, radius: contact.radius, axis: contact.radius / tangent }
             }
+            TipShape::SpheroCone => Self::Capped {
+                modulus,
+                radius: contact.radius,
+                tangent,
+                cap: contact.radius * contact.half_angle.to_radians().cos(),
+            },
             TipShape::Paraboloid | TipShape::Sphere => Self::Sphere { modulus, radius: contact.radius },
             TipShape::Cone => Self::Power { factor: 2.0 / PI * modulus * tangent, power: 2 },
             TipShape::Pyramid => Self::Power { factor: 0.7453 * modulus * tangent, power: 2 },
             TipShape::Punch => Self::Power { factor: 2.0 * modulus * contact.radius, power: 1 },
         }
+    }
+
+    fn pressed(self, delta: f64, touching: bool) -> f64 {
+        if touching && delta > 0.0 { self.force(delta) } else { 0.0 * delta }
     }
 
     fn force(self, delta: f64) -> f64 {
@@ -105,6 +126,41 @@ impl Indenter {
                     4.0 / 3.0 - square * (8.0 / 15.0 - square * (12.0 / 35.0 - square * (16.0 / 63.0)));
                 let sum = if s < 0.03 { series * square * s } else { s + (square - 1.0) * s.atan() };
                 modulus * axis.powi(3) / radius * sum
+            }
+            Self::Capped { modulus, radius, tangent, cap } => {
+                let hertz = (radius * delta).sqrt();
+                if hertz <= cap {
+                    return 4.0 / 3.0 * modulus * hertz * delta;
+                }
+                // The profile of springs side by side and its slope, which rises: Newton's method from the left.
+                let profile = |a: f64| {
+                    let (s, turn) = (((a - cap) * (a + cap)).sqrt(), (cap / a).acos());
+                    (
+                        a * (a - s) / radius + a * turn / tangent,
+                        (2.0 * a - s - a * a / s) / radius + (turn + cap / s) / tangent,
+                    )
+                };
+                let (mut low, mut high) = (cap, hertz.max(delta * tangent) + cap);
+                let mut a = 0.5 * (low + high);
+                for _ in 0..80 {
+                    let (depth, slope) = profile(a);
+                    if depth < delta {
+                        low = a
+                    } else {
+                        high = a
+                    }
+                    let next = a - (depth - delta) / slope;
+                    let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+                    let moved = (next - a).abs();
+                    a = next;
+                    if moved <= 2.0 * f64::EPSILON * a {
+                        break;
+                    }
+                }
+                let (s, turn) = (((a - cap) * (a + cap)).sqrt(), (cap / a).acos());
+                let under = a * a * turn / (2.0 * tangent) + a * a * a / (3.0 * radius)
+                    - s * (cap / (2.0 * tangent) + s * s / (3.0 * radius));
+                2.0 * modulus * (a * delta - under)
             }
             Self::Series { coefficients } => {
                 let root = delta.sqrt();
@@ -157,6 +213,18 @@ impl ReferenceForce {
                 adhesion: 2.0 * PI * w * r,
                 decay: contact.decay_length,
             },
+            Law::Sum => Self::Sum {
+                indenter: Indenter::new(contact),
+                adhesion: if contact.choice == LawChoice::Dmt { 2.0 * PI * w * r } else { 0.0 },
+                decay: contact.decay_length,
+                terms: match contact.shape {
+                    // Its first is the contact, which is the indenter's.
+                    TipShape::SpheroCone => {
+                        std::array::from_fn(|n| contact.terms.get(n + 1).copied().flatten())
+                    }
+                    _ => contact.terms,
+                },
+            },
             Law::ViscousHertz => viscous(0.0),
             Law::ViscousDmt => viscous(2.0 * PI * w * r),
             Law::RelaxingHertz => Self::Relaxing {
@@ -191,11 +259,12 @@ impl ReferenceForce {
                 hertz(kappa, delta, touching) + attraction(adhesion, decay, delta, touching)
             }
             Self::Shaped { indenter, adhesion, decay } => {
-                let pressed = match touching && delta > 0.0 {
-                    true => indenter.force(delta),
-                    false => 0.0 * delta,
-                };
-                pressed + attraction(adhesion, decay, delta, touching)
+                indenter.pressed(delta, touching) + attraction(adhesion, decay, delta, touching)
+            }
+            Self::Sum { indenter, adhesion, decay, ref terms } => {
+                let beside: f64 = terms.iter().flatten().map(|term| beside(term, delta, touching)).sum();
+                let pull = attraction(adhesion, decay, delta, touching);
+                indenter.pressed(delta, touching) + pull + beside
             }
             Self::Viscous { kappa, tau, ad_hoc, adhesion, decay } => {
                 let pull = attraction(adhesion, decay, delta, touching);
@@ -301,6 +370,22 @@ fn attraction(adhesion: f64, decay: f64, delta: f64, touching: bool) -> f64 {
     } else {
         -adhesion * (1.0 + 2.0 * delta / decay)
     }
+}
+
+/// The closed forms of the program's own tables; a user's table is its own.
+fn beside(term: &TermForce, delta: f64, touching: bool) -> f64 {
+    let x = delta / term.length;
+    let value = match (term.table, touching) {
+        (EXPONENTIAL | INVERSE, true) => 1.0,
+        (EXPONENTIAL, false) => x.min(1.0).exp(),
+        (INVERSE, false) => 1.0 / (1.0 - x.min(0.5)),
+        (table, _) => {
+            let table = ForceTable::numbered(table);
+            let ends_at_touch = table.ends().1 <= 0.0;
+            table.at(if touching && ends_at_touch { x.max(0.0) } else { x })[0]
+        }
+    };
+    term.amplitude * value
 }
 
 fn hertz(kappa: f64, delta: f64, touching: bool) -> f64 {

@@ -1,0 +1,155 @@
+//! What goes with forces beside a contact.
+
+use super::SweptAxes;
+use super::address::Address;
+use super::draft::Draft;
+use super::outside_section::{self, OUTSIDE, TABLE};
+use super::params::*;
+use super::paths::{HALF_ANGLE, RELAXATION, TIP_SHAPE, VISCOSITIES};
+use super::sample_rules::{beside_law, laws_of};
+use super::scene_error::{Checked, Fault};
+use crate::kernel::contact::TERMS;
+
+/// Most tables of a scene.
+const SHAPES: usize = 1000;
+
+/// The forces beside the contact have a law, a tip and a sample that go with them.
+pub(super) fn forces_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
+    shapes_fit(draft, sweep)?;
+    let contact = &draft.params.contact;
+    let laws = laws_of(draft, sweep);
+    if laws.contains(&LawChoice::Sum) && contact.table.is_none() {
+        return Err(Fault::at(draft.place_of("contact.law"), "law = \"table\" needs a table")
+            .label("[contact] has none")
+            .expected("table = \"force.csv\" in [contact], with columns `distance [nm]` and `force [nN]`")
+            .help("add that line, or take another law"));
+    }
+    let Some(said) = draft.first_of(&[TABLE]).or(draft.first_of(&[OUTSIDE])) else { return Ok(()) };
+    let fault = |title: &str, why: &str| Fault::at(said.key.clone(), title).label(why.to_owned());
+    let known = |choice: &&LawChoice| matches!(choice, LawChoice::Hertz | LawChoice::Dmt | LawChoice::Sum);
+    if let Some(other) = laws.iter().find(|choice| !known(choice)) {
+        let why = match other {
+            LawChoice::None => "law = \"none\" has no sample",
+            LawChoice::Jkr => {
+                "JKR's adhesion acts within the contact, and no force beside it is known to the program"
+            }
+            _ => "law = \"auto\" may choose JKR, beside which no force is known",
+        };
+        return Err(beside_law(fault("the law does not know forces beside the contact", why), draft)
+            .expected("law = \"hertz\", \"dmt\" or \"table\" in [contact]")
+            .help("set one of them, or remove the force"));
+    }
+    if let Some(loss) = draft.first_of(&VISCOSITIES).or(draft.first_of(&RELAXATION)) {
+        return Err(fault("forces beside the contact need an elastic sample", "the sample has losses")
+            .related(loss.key.clone(), "said here")
+            .expected("an elastic sample")
+            .help("remove the sample's losses, or this force"));
+    }
+    let cap = draft.params.instrument.tip.shape == TipShape::SpheroCone;
+    let count = contact.outside.len() + usize::from(contact.table.is_some()) + usize::from(cap);
+    if count > TERMS {
+        return Err(fault("there are too many forces beside the contact", &format!("found {count}"))
+            .expected(format!("at most {TERMS}, with a table and a sphero-cone's contact among them"))
+            .help("leave out the weakest"));
+    }
+    for (n, force) in contact.outside.iter().enumerate() {
+        force_is_complete(draft, n, force)?;
+    }
+    let shape = draft.params.instrument.tip.shape;
+    let round = !matches!(shape, TipShape::Cone | TipShape::Pyramid | TipShape::Punch);
+    if !round && contact.outside.iter().any(OutsideForce::needs_radius) {
+        return Err(fault("this force is that of a round tip", "it is in proportion to the tip's radius")
+            .related(draft.place_of(TIP_SHAPE), "the shape is chosen here")
+            .expected("a paraboloid, sphere or hyperboloid")
+            .help("take such a shape, or give the force as a table"));
+    }
+    match laws.contains(&LawChoice::Sum) {
+        true => table_fits(draft, sweep),
+        false => Ok(()),
+    }
+}
+
+/// A force has all that it needs, in its section or as an axis.
+fn force_is_complete(draft: &Draft, n: usize, force: &OutsideForce) -> Checked<()> {
+    let (known, needed) = outside_section::keys(force);
+    let path = |key: &str| format!("{OUTSIDE}.{n}.{key}");
+    let says = |key: &str| draft.first_of(&[&path(key)]).is_some();
+    let missing = known[..needed].iter().find(|key| {
+        Address::find(&path(key)).and_then(|address| address.get(&draft.params)).is_none_or(f64::is_nan)
+    });
+    let hydration = matches!(force, OutsideForce::Hydration { .. });
+    let (title, expected) = match missing {
+        Some(key) => (format!("`{OUTSIDE}.{n}` lacks `{key}`"), known[..needed].join(" and ")),
+        None if hydration && says("pressure") == says("strength") => (
+            format!("`{OUTSIDE}.{n}` needs one of `pressure` and `strength`"),
+            "pressure, between flat walls at touch, or strength, the force at touch".to_owned(),
+        ),
+        None if says("period") && says("pressure") => (
+            format!("`{OUTSIDE}.{n}` oscillates, and then needs `strength`"),
+            "strength, the force at touch: a pressure between walls gives another phase".to_owned(),
+        ),
+        None => return Ok(()),
+    };
+    Err(Fault::at(draft.place_of(OUTSIDE), title)
+        .label(format!("force number {n}, counted from 0"))
+        .expected(expected)
+        .help("complete its [[contact.outside]]"))
+}
+
+/// Each decay length, period and phase of an oscillating force makes a table, and each half-angle of a sphero-cone.
+fn shapes_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
+    let oscillates = |n: usize| {
+        matches!(draft.params.contact.outside.get(n), Some(OutsideForce::Hydration { period: Some(_), .. }))
+    };
+    let keys = (0..TERMS).filter(|n| oscillates(*n));
+    let waves =
+        keys.flat_map(|n| ["decay_length", "period", "phase"].map(|key| format!("{OUTSIDE}.{n}.{key}")));
+    let cap = draft.params.instrument.tip.shape == TipShape::SpheroCone;
+    let mut count = 1usize;
+    for path in waves.chain(cap.then(|| HALF_ANGLE.to_owned())) {
+        let Some(axis) = sweep.quantities().find(|axis| axis.path == path) else { continue };
+        count = count.saturating_mul(axis.values.len());
+        if count > SHAPES {
+            return Err(Fault::at(draft.place_of(&path), "the scene has too many tabulated forces")
+                .label(format!("found {count} different ones"))
+                .expected(format!("at most {SHAPES}: each half-angle of a sphero-cone makes one, and each decay length, period and phase of a force that oscillates"))
+                .help("take fewer values, or vary the strength instead"));
+        }
+    }
+    Ok(())
+}
+
+/// A table that is the law itself holds the tip, and leaves nothing to the sample.
+fn table_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
+    let contact = &draft.params.contact;
+    let Some(table) = &contact.table else { return Ok(()) };
+    let fault = |path: &str, title: String| Fault::at(draft.place_of(path), title);
+    let law = LawChoice::Sum;
+    let inner = table.term(true);
+    let deepest = table.indentations.last().copied().unwrap_or(0.0);
+    if inner.at(deepest)[1] <= 0.0 {
+        return Err(fault(TABLE, "the table does not hold the tip".into())
+            .label("at its deepest place the force does not rise, and deeper it goes straight on")
+            .expected("a table that ends where the sample pushes back")
+            .help("add rows of the contact, or take law = \"hertz\" or \"dmt\", outside of which the table then acts"));
+    }
+    if laws_of(draft, sweep).iter().any(|choice| *choice != law) {
+        return Ok(());
+    }
+    let idle = |path: &str| {
+        path.starts_with("sample.")
+            || ["instrument.tip.youngs_modulus", "instrument.tip.poisson_ratio", TIP_SHAPE].contains(&path)
+            || path == "contact.decay_length"
+            || (path == "instrument.tip.radius" && !contact.outside.iter().any(OutsideForce::needs_radius))
+    };
+    match draft.said.iter().find(|said| {
+        idle(&said.path) && (said.swept || said.path == TIP_SHAPE || said.path == "sample.thickness")
+    }) {
+        Some(said) => Err(Fault::at(said.key.clone(), format!("`{}` has no effect here", said.path))
+            .label("the table is the whole force")
+            .related(draft.place_of(TABLE), "the table is given here")
+            .expected("what changes the result")
+            .help("remove it, or take law = \"hertz\" or \"dmt\"")),
+        None => Ok(()),
+    }
+}
