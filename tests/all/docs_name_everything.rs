@@ -1,6 +1,7 @@
 //! docs/scene.md names everything that a scene may have: keys with their units, defaults and ranges.
 //! Truth: what the program answers to scenes that it refuses, and its lists of quantities.
 
+use crate::scenes::outside_with;
 use afmsweep::Scene;
 use afmsweep::scene::{Domain, Params, QUANTITIES, Quantity};
 use afmsweep::units::Dimension;
@@ -74,7 +75,7 @@ fn choices(text: &str) -> Vec<String> {
 }
 
 /// Every table of a scene, by its heading, and a scene that asks for a key it does not have.
-const TABLES: [(&str, &str); 16] = [
+const TABLES: [(&str, &str); 17] = [
     ("Top level", "zzz = 1"),
     ("`[instrument]`", "[instrument]\nzzz = 1"),
     ("`[instrument.actuator]`", "[instrument.actuator]\nzzz = 1"),
@@ -83,6 +84,10 @@ const TABLES: [(&str, &str); 16] = [
     ("`[instrument.tip]`", "[instrument.tip]\nzzz = 1"),
     ("`[sample]`", "[sample]\nzzz = 1"),
     ("`[contact]`", "[contact]\nzzz = 1"),
+    (
+        "`[[contact.outside]]`",
+        "[contact]\nlaw = \"dmt\"\n[[contact.outside]]\nforce = \"hydration\"\nzzz = 1",
+    ),
     ("`[drive]`", "[drive]\nzzz = 1"),
     ("`[approach]`", "[approach]\nzzz = 1"),
     ("`[design]`", "[design]\nzzz = 1"),
@@ -110,6 +115,7 @@ fn every_word_that_a_choice_may_have_is_told() {
     for (heading, key, text) in [
         ("`[instrument.actuator]`", "model", "[instrument.actuator]\nmodel = \"zzz\""),
         ("`[contact]`", "law", "[contact]\nlaw = \"zzz\""),
+        ("`[[contact.outside]]`", "force", "[contact]\n[[contact.outside]]\nforce = \"zzz\""),
         ("`[drive]`", "on", "[drive]\non = \"zzz\""),
         ("`[curve]`", "quantity", "[curve]\nquantity = \"zzz\""),
         ("`[design]`", "kind", "[design]\nkind = \"zzz\""),
@@ -138,6 +144,7 @@ fn place_of(quantity: &Quantity) -> (String, &'static str) {
     let (section, key) = quantity.path.rsplit_once('.').unwrap();
     match section.strip_suffix(".modes.#") {
         Some(section) => (format!("`[{section}]` `modes`"), key),
+        None if section == "contact.outside.#" => ("`[[contact.outside]]`".to_owned(), key),
         None => (format!("`[{section}]`"), key),
     }
 }
@@ -151,6 +158,9 @@ fn impossible(quantity: &Quantity) -> String {
     };
     match section.strip_suffix(".modes.#") {
         Some(section) => format!("[{section}]\nmodes = [{{ {key} = {value} }}]"),
+        None if section == "contact.outside.#" => {
+            format!("{}{key} = {value}\n", outside_with(quantity.path))
+        }
         None => format!("[{section}]\n{key} = {value}"),
     }
 }

@@ -305,34 +305,7 @@ fn every_quantity_can_be_written_swept_and_echoed() {
             "instrument.tip.half_angle" => {
                 company = "[instrument.tip]\nshape = \"cone\"\n[contact]\nlaw = \"hertz\"\n".into()
             }
-            outside if outside.starts_with("contact.outside.") => {
-                let key = outside.rsplit('.').next().unwrap();
-                let force = match key {
-                    "bias" | "contact_potential" | "cut_off" => {
-                        [("force", "electrostatic"), ("bias", "1 V"), ("cut_off", "1 nm")].to_vec()
-                    }
-                    "tip_charge" | "sample_charge" | "screening_length" | "permittivity" => {
-                        let charge = "1 mC/m^2";
-                        let own = [("tip_charge", charge), ("sample_charge", charge)];
-                        [&[("force", "double-layer"), ("screening_length", "1 nm")][..], &own].concat()
-                    }
-                    "pressure" => [("force", "hydration"), ("decay_length", "1 nm")].to_vec(),
-                    "strength" => [("force", "hydration"), ("decay_length", "1 nm")].to_vec(),
-                    _ => [
-                        ("force", "hydration"),
-                        ("strength", "1 nN"),
-                        ("decay_length", "1 nm"),
-                        ("period", "1 nm"),
-                    ]
-                    .to_vec(),
-                };
-                let lines: Vec<String> = force
-                    .iter()
-                    .filter(|(one, _)| *one != key)
-                    .map(|(key, value)| format!("{key} = \"{value}\"\n"))
-                    .collect();
-                company = format!("[contact]\nlaw = \"dmt\"\n[[contact.outside]]\n{}", lines.concat());
-            }
+            outside if outside.starts_with("contact.outside.") => company = outside_with(outside),
             "sample.thickness" => company = "[contact]\nlaw = \"hertz\"\n".into(),
             "sample.hamaker" => company = "[contact]\nlaw = \"dmt\"\n".into(),
             "sample.viscosity" | "sample.retardation_time" | "sample.loss_tangent" => {
@@ -366,6 +339,26 @@ fn every_quantity_can_be_written_swept_and_echoed() {
             assert_eq!(parse(&written.resolved_toml()).base, written.base, "{path}");
         }
     }
+}
+
+/// A force outside contact that has this quantity, and whatever else it needs.
+pub fn outside_with(path: &str) -> String {
+    let key = path.rsplit('.').next().unwrap();
+    let force = match key {
+        "bias" | "contact_potential" | "cut_off" => "electrostatic bias=1 V cut_off=1 nm",
+        "pressure" | "strength" => "hydration decay_length=1 nm",
+        "decay_length" | "period" | "phase" => "hydration strength=1 nN decay_length=1 nm period=1 nm",
+        _ => "double-layer tip_charge=1 mC/m^2 sample_charge=1 mC/m^2 screening_length=1 nm",
+    };
+    let (word, rest) = force.split_once(' ').unwrap();
+    let mut text = format!("[contact]\nlaw = \"dmt\"\n[[contact.outside]]\nforce = \"{word}\"\n");
+    let units = rest.replace(" V", "_V").replace(" n", "_n").replace(" m", "_m");
+    for (one, value) in units.split(' ').map(|entry| entry.split_once('=').unwrap()) {
+        if one != key {
+            text += &format!("{one} = \"{}\"\n", value.replacen('_', " ", 1));
+        }
+    }
+    text
 }
 
 /// Sections of one entry each, as dotted keys.

@@ -39,7 +39,7 @@ macro_rules! laws {
             /// The same under DMT's attraction.
             ShapedDmt = 8, "dmt-shaped", ShapedDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
             /// A contact with up to four forces beside it that are tabulated.
-            Sum = 9, "sum", Sum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
+            Sum = 9, "sum", ForceSum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
         }
     };
 }

@@ -3,7 +3,8 @@
 //!
 //! The files are WGSL but for a few directives in comments, so that only what is needed exists in
 //! the text: `//% if NAME`, `//% end`, and `//% each mode`: the lines up to its end stand once for each mode,
-//! with the mode's number in place of `$`; `swinging mode` leaves out the law's memory, and `memory` has it alone.
+//! with the mode's number in place of `$`; `swinging mode` leaves out the law's memory, and `memory` has it alone;
+//! `half` has the halves of a table's rows.
 //!
 //! The law's kick and its slope, the step and the sums are no files: the kernel's own Rust writes them
 //! ([`recorded`](super::recorded), [`recorded_step`](super::recorded_step)).
@@ -305,6 +306,11 @@ impl ShaderSpec {
     /// What lines are written once for each of; none where that is not known.
     fn items(&self, what: &str) -> Option<Vec<String>> {
         let swinging = self.modes - usize::from(self.law.has_memory());
+        // The steps of a search among a table's rows.
+        if what == "half" {
+            let steps = std::iter::successors(Some(force_table::ROWS / 2), |step| Some(step / 2));
+            return Some(steps.take_while(|step| *step > 0).map(|step| step.to_string()).collect());
+        }
         let places = match what {
             "mode" => 0..self.modes,
             // What moves the tip, and what the law remembers.

@@ -17,7 +17,7 @@ pub use jkr::Jkr;
 pub use kelvin_voigt::{Clean, KelvinVoigt};
 pub use relaxing_hertz::RelaxingHertz;
 pub use shaped::{POWERS, ShapedHertz};
-pub use sum::{Sum, TERMS};
+pub use sum::{ForceSum, TERMS};
 
 use super::Lane;
 use super::constants::{FAR, ONE, ZERO};

@@ -25,7 +25,7 @@ pub struct Terms<L>([Term<L>; TERMS]);
 
 /// A contact with what acts beside it.
 #[derive(Clone, Copy, Debug)]
-pub struct Sum<L> {
+pub struct ForceSum<L> {
     contact: ShapedHertz<L>,
     tail: Tail<L>,
     terms: Terms<L>,
@@ -207,7 +207,7 @@ const FIELDS: [&str; POWERS + 2 + 3 * TERMS] = [
     "table_3",
 ];
 
-impl<L: Lane> Interaction<L> for Sum<L> {
+impl<L: Lane> Interaction<L> for ForceSum<L> {
     const FIELDS: &'static [&'static str] = &FIELDS;
     const SHIFTS: bool = true;
 

@@ -17,7 +17,7 @@
 //! | [`ShapedHertz`] | a tip of another shape, or a thin [`Layer`]; DMT's attraction under a round tip | as above | no |
 //! | [`Viscous`] | those of Hertz and DMT with a term of the rate, see there | those | no |
 //! | [`RelaxingHertz`] | that of Hertz with a modulus that falls from one value to another | 0 | no |
-//! | [`Sum`] | a contact without adhesion or DMT's, or none, and up to four forces beside it | those | no |
+//! | [`ForceSum`] | a contact without adhesion or DMT's, or none, and up to four forces beside it | those | no |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
 
 mod contact_parameters;
@@ -50,7 +50,7 @@ pub use shaped::{HYPERBOLOID_REACH, SPHERE_REACH};
 pub use sphero_cone::{SPHERO_CONE_REACH, SpheroCone};
 pub use static_curve::{CurveBranch, StaticCurve, StaticCurves};
 pub use static_law::{KernelUnits, Passed, StaticLaw};
-pub use sum::Sum;
+pub use sum::ForceSum;
 pub use tabor::{AUTO_BOUNDARY, DMT_BELOW, JKR_ABOVE, NEGLIGIBLE_ADHESION, tabor_parameter};
 pub use viscous::Viscous;
 pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};

@@ -11,7 +11,7 @@ use crate::scene::{LawChoice, TermForce, TipShape};
 ///
 /// Those beside it are tabulated: outside forces keep their value at touch inside, a table of the user goes on inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sum {
+pub struct ForceSum {
     /// Without attraction its work of adhesion is 0.
     pub(super) contact: Dmt<ShapedHertz>,
     terms: [Option<TermForce>; TERMS],
@@ -19,7 +19,7 @@ pub struct Sum {
     cap: Option<(TermForce, f64)>,
 }
 
-impl From<&Compact> for Sum {
+impl From<&Compact> for ForceSum {
     fn from(of: &Compact) -> Self {
         let work = if of.choice == LawChoice::Dmt { of.work } else { 0.0 };
         let contact = match of.choice {
@@ -31,7 +31,7 @@ impl From<&Compact> for Sum {
     }
 }
 
-impl Sum {
+impl ForceSum {
     /// What the forces beside the contact come to: force, slope, energy.
     fn beside(&self, delta: f64) -> [f64; 3] {
         let add = |sum: [f64; 3], one: [f64; 3]| std::array::from_fn(|n| sum[n] + one[n]);
@@ -88,7 +88,7 @@ impl Sum {
 /// Places at which extremes are looked for first.
 const POINTS: i32 = 64;
 
-impl StaticLaw for Sum {
+impl StaticLaw for ForceSum {
     fn force(&self, delta: f64, in_contact: bool) -> f64 {
         self.contact.force(delta, in_contact) + self.beside(delta)[0]
     }

@@ -10,6 +10,7 @@ mod design_section;
 mod draft;
 mod drive_rules;
 mod file;
+mod json_schema;
 mod levers;
 mod output;
 mod outside_params;

@@ -108,54 +108,12 @@ impl Draft {
                 .help("check quotes and commas there")
         };
         let header = reader.headers().map_err(unreadable)?.clone();
-        let mut columns: [Option<(usize, String, f64)>; 2] = [None, None];
-        for (number, cell) in header.iter().enumerate() {
-            let (word, unit) =
-                cell.strip_suffix(']').and_then(|head| head.rsplit_once('[')).unwrap_or((cell, ""));
-            let (place, dimension, sign) = match word.trim() {
-                "indentation" => (0, Dimension::Length, 1.0),
-                "distance" => (0, Dimension::Length, -1.0),
-                "force" => (1, Dimension::Force, 1.0),
-                "force_retract" => {
-                    return Err(fault(
-                        format!("the table {name} has a column `force_retract`"),
-                        "a force that differs on the way out is not known yet".into(),
-                    )
-                    .help("remove the column"));
-                }
-                _ => {
-                    return Err(fault(
-                        format!("column {} of the table {name} is not known", number + 1),
-                        format!("found `{}`", shortened(cell)),
-                    )
-                    .help("name the columns by these words, with their units in brackets"));
-                }
-            };
-            if columns[place].is_some() || units::parse(&format!("1 {unit}"), dimension).is_err() {
-                return Err(fault(
-                    format!(
-                        "column {} of the table {name} is not {} with its unit",
-                        number + 1,
-                        dimension.described()
-                    ),
-                    format!("found `{}`", shortened(cell)),
-                )
-                .help("give one column of places and one of forces, each with its unit in brackets"));
-            }
-            columns[place] = Some((number, unit.to_owned(), sign));
-        }
-        let [Some(place), Some(force)] = columns else {
-            return Err(fault(
-                format!("the table {name} lacks a column"),
-                format!("found {} columns", header.len()),
-            )
-            .help("name the columns in its first line"));
-        };
+        let [place, force] = columns(name, &header, &fault)?;
         let mut all = (Vec::new(), Vec::new());
         for record in reader.records() {
             let record = record.map_err(unreadable)?;
             let line = record.position().map_or(0, csv::Position::line);
-            let number = |(column, unit, sign): &(usize, String, f64), dimension| {
+            let number = |(column, unit, sign): &ForceColumn, dimension| {
                 let cell = record.get(*column).unwrap_or_default();
                 match units::parse(&format!("{cell} {unit}"), dimension) {
                     Ok(number) if number.is_finite() => Ok(sign * number),
@@ -171,6 +129,61 @@ impl Draft {
         }
         Ok(all)
     }
+}
+
+/// A column of the file: its number, the unit of its numbers, and their sign.
+type ForceColumn = (usize, String, f64);
+
+/// Which columns the file has: those of places and of forces.
+fn columns(
+    name: &str,
+    header: &csv::StringRecord,
+    fault: &dyn Fn(String, String) -> Box<Fault>,
+) -> Checked<[ForceColumn; 2]> {
+    let mut columns: [Option<ForceColumn>; 2] = [None, None];
+    for (number, cell) in header.iter().enumerate() {
+        let (word, unit) =
+            cell.strip_suffix(']').and_then(|head| head.rsplit_once('[')).unwrap_or((cell, ""));
+        let (place, dimension, sign) = match word.trim() {
+            "indentation" => (0, Dimension::Length, 1.0),
+            "distance" => (0, Dimension::Length, -1.0),
+            "force" => (1, Dimension::Force, 1.0),
+            "force_retract" => {
+                return Err(fault(
+                    format!("the table {name} has a column `force_retract`"),
+                    "a force that differs on the way out is not known yet".into(),
+                )
+                .help("remove the column"));
+            }
+            _ => {
+                return Err(fault(
+                    format!("column {} of the table {name} is not known", number + 1),
+                    format!("found `{}`", shortened(cell)),
+                )
+                .help("name the columns by these words, with their units in brackets"));
+            }
+        };
+        if columns[place].is_some() || units::parse(&format!("1 {unit}"), dimension).is_err() {
+            return Err(fault(
+                format!(
+                    "column {} of the table {name} is not {} with its unit",
+                    number + 1,
+                    dimension.described()
+                ),
+                format!("found `{}`", shortened(cell)),
+            )
+            .help("give one column of places and one of forces, each with its unit in brackets"));
+        }
+        columns[place] = Some((number, unit.to_owned(), sign));
+    }
+    let [Some(place), Some(force)] = columns else {
+        return Err(fault(
+            format!("the table {name} lacks a column"),
+            format!("found {} columns", header.len()),
+        )
+        .help("name the columns in its first line"));
+    };
+    Ok([place, force])
 }
 
 /// `{ indentation = [...], force = [...] }`, or with `distance`.

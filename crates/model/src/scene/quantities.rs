@@ -307,7 +307,7 @@ quantities! {
     "contact.outside.#.period", PERIOD,
         "force # period", Length, Positive, [1e-11, 1e-7], [1e-13, 1e-4];
     "contact.outside.#.phase", outside!(Hydration, phase),
-        "force # phase at touch", Angle, Finite, [1e-3, 360.0], ANY;
+        "force # phase at touch", Angle, Finite, [1e-3, 360.0], [1e-9, 1e6];
     "drive.frequency", variant!(drive.frequency, DriveFrequency::Hertz),
         "drive frequency", Frequency, Positive, [0.1, 1e9], FREQUENCIES;
     "drive.voltage", variant!(drive.level, DriveLevel::Voltage),

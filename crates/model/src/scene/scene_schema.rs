@@ -6,6 +6,7 @@ use super::address::Address;
 use super::axes::MOST_INSTANCES;
 use super::axis_zip::LABEL;
 use super::design_section::{KEYS as DESIGN_KEYS, LEVELS, MOST_LEVELS};
+use super::json_schema::{list, object, text, unique, whole, with_required, word};
 use super::levers;
 use super::output::{ALL, BRANCHES, KEYS, OUTPUT_KEYS, SPECTRUM_KEYS, STARTS, WAVEFORM_KEYS, WAYS};
 use super::params::{LawChoice, OutsideForce, Params, TipShape};
@@ -61,43 +62,6 @@ pub fn schema(describe: &dyn Fn(&str) -> String) -> Value {
         "additionalProperties": false,
         "definitions": definitions,
     })
-}
-
-/// A table with these entries and no others.
-fn object(properties: Map<String, Value>) -> Value {
-    json!({ "type": "object", "properties": properties, "additionalProperties": false })
-}
-
-/// Likewise, these of them needed.
-fn with_required(properties: Map<String, Value>, required: &[&str]) -> Value {
-    let mut object = object(properties);
-    object["required"] = json!(required);
-    object
-}
-
-/// A list that is not empty.
-fn list(items: Value) -> Value {
-    json!({ "type": "array", "minItems": 1, "items": items })
-}
-
-/// Likewise, no entry twice.
-fn unique(items: Value) -> Value {
-    json!({ "type": "array", "minItems": 1, "uniqueItems": true, "items": items })
-}
-
-fn whole(least: u64, most: u64) -> Value {
-    json!({ "type": "integer", "minimum": least, "maximum": most })
-}
-
-/// A text that is not empty.
-fn text() -> Value {
-    json!({ "type": "string", "minLength": 1 })
-}
-
-/// One of these words.
-fn word<T>(words: &[(&str, T)]) -> Value {
-    let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-    json!({ "type": "string", "enum": words })
 }
 
 /// What the keys of paths mean.

@@ -6,6 +6,7 @@
 //! point is located (`step_control.rs`), and observables are integrals over the continuous path (`meter.rs`).
 
 mod dop853;
+mod indenter;
 mod line_search;
 mod meter;
 mod reference_fixed_point;
