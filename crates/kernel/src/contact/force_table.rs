@@ -8,7 +8,8 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 pub const ROWS: usize = 1024;
 /// Most knots: one row stands for all that lies before the first.
 pub const KNOTS: usize = ROWS - 1;
-/// Numbers of a row, in the order of [`super::sum::Cell`].
+/// Numbers of a row: its place and the next, the four coefficients of its cubic, the sums of work and of moment up to there,
+/// and the force and these two at its end.
 pub const COLUMNS: usize = 11;
 /// The columns of the two sums at a row's begin; those at its end are three behind.
 const WORK: usize = 6;
@@ -113,11 +114,11 @@ impl ForceTable {
         static ADDING: Mutex<()> = Mutex::new(());
         let table = Self::new(knots);
         let _adding = ADDING.lock().unwrap_or_else(PoisonError::into_inner);
-        for number in INVERSE + 1..TABLES {
-            match BANK[number].get() {
+        for (number, place) in BANK.iter().enumerate().skip(INVERSE + 1) {
+            match place.get() {
                 Some(known) if *known == table => return Some(number),
                 Some(_) => {}
-                None => return BANK[number].set(table).ok().map(|()| number),
+                None => return place.set(table).ok().map(|()| number),
             }
         }
         None
