@@ -120,7 +120,7 @@ fn cure(word: &str) -> &'static str {
         }
         "large_strain" => "beyond small strain: expect an error in the force of 1 % or more",
         "beyond_series" => {
-            "deeper than the force on the layer, or of the hyperboloid or sphere, is known: do not trust it"
+            "deeper than the force on the layer, or of the tip's shape, is known: do not trust it"
         }
         "adhesive_layer" => "the attraction is that of a thick sample",
         "beyond_table" => "the tip is deeper than its table of forces",

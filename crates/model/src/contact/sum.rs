@@ -38,8 +38,8 @@ impl ForceSum {
         self.terms.iter().flatten().fold([0.0; 3], |sum, term| add(sum, term.at(delta)))
     }
 
-    /// The least and the largest force between two indentations, and where.
-    fn extremes(&self, low: f64, high: f64) -> [(f64, f64); 2] {
+    /// The least and the largest force between two indentations; not numbers where these are none.
+    fn extremes(&self, low: f64, high: f64) -> [f64; 2] {
         let reach = self.terms.iter().flatten().fold(self.contact.decay(), |least, term| {
             let inner = ForceTable::numbered(term.table).ends().1.abs().max(1.0);
             least.min(term.length * inner)
@@ -55,14 +55,14 @@ impl ForceSum {
             let rows = &ForceTable::numbered(term.table).rows()[1..KNOTS];
             places.extend(rows.iter().map(|row| row[0] * term.length).filter(|at| (low..high).contains(at)));
         }
-        places.push(0f64.clamp(low.min(high), high.max(low)));
+        places.push(0.0);
         places.retain(|place| (low..=high).contains(place));
         places.sort_by(f64::total_cmp);
         places.dedup();
         [1.0, -1.0].map(|sign| {
             let cost = |delta: f64| sign * self.force(delta, delta > 0.0);
             let best = (0..places.len()).min_by(|a, b| cost(places[*a]).total_cmp(&cost(places[*b])));
-            let Some(best) = best else { return (f64::NAN, f64::NAN) };
+            let Some(best) = best else { return f64::NAN };
             let (mut left, mut right) =
                 (places[best.saturating_sub(1)], places[(best + 1).min(places.len() - 1)]);
             for _ in 0..80 {
@@ -70,8 +70,7 @@ impl ForceSum {
                 if cost(one) < cost(other) { right = other } else { left = one }
             }
             let refined = 0.5 * (left + right);
-            let at = if cost(refined) < cost(places[best]) { refined } else { places[best] };
-            (at, sign * cost(at))
+            sign * cost(refined).min(cost(places[best]))
         })
     }
 
@@ -134,8 +133,7 @@ impl StaticLaw for ForceSum {
     }
 
     fn forces(&self, passed: &Passed) -> (f64, f64) {
-        let [least, most] = self.extremes(passed.highest, passed.deepest);
-        (least.1, most.1)
+        self.extremes(passed.highest, passed.deepest).into()
     }
 
     fn zero_force(&self) -> f64 {
@@ -146,7 +144,7 @@ impl StaticLaw for ForceSum {
     }
 
     fn pull_off(&self) -> f64 {
-        self.extremes(-self.reach(), self.zero_force())[0].1.min(0.0)
+        self.extremes(-self.reach(), self.zero_force())[0].min(0.0)
     }
 
     fn attraction_slope(&self) -> f64 {
@@ -162,5 +160,76 @@ impl StaticLaw for ForceSum {
     fn outside(&self, _deepest: f64, shares: Shares) -> Vec<f64> {
         let reach = self.reach();
         shares.iter().map(|share| -0.01 * reach * (101f64.powf(*share) - 1.0)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Contact;
+    use crate::scene::{OutsideForce, Params};
+
+    fn contact() -> Contact {
+        let mut params = Params::default();
+        params.contact.law = LawChoice::Dmt;
+        params.contact.outside = vec![
+            OutsideForce::Electrostatic { bias: 1.0, contact_potential: 0.0, cut_off: 1e-9 },
+            OutsideForce::DoubleLayer {
+                tip_charge: 0.01,
+                sample_charge: 0.01,
+                screening_length: 3e-9,
+                permittivity: 78.4,
+            },
+        ];
+        Contact::new(&params)
+    }
+
+    /// A motion that stopped being a number, or one without extent: some answer, no panic.
+    #[test]
+    fn forces_of_any_motion() {
+        let values = [f64::NAN, f64::NEG_INFINITY, f64::INFINITY, -1e-9, 0.0, 2e-9];
+        for highest in values {
+            for deepest in values {
+                let passed = Passed {
+                    deepest,
+                    highest,
+                    held: deepest,
+                    touched: true,
+                    apart: true,
+                    let_go: false,
+                    forces: (f64::NAN, f64::NAN),
+                };
+                let (least, most) = contact().law().forces(&passed);
+                if highest == deepest && deepest.is_finite() {
+                    assert_eq!([least, most], [contact().force(deepest, deepest > 0.0); 2], "{deepest}");
+                }
+            }
+        }
+    }
+
+    /// Truth: the force at 20,000 places, which has its least outside contact.
+    #[test]
+    fn extremes_are_those_of_a_dense_search() {
+        let law = contact();
+        let (low, high) = (-30e-9, 1e-9);
+        let passed = Passed {
+            deepest: high,
+            highest: low,
+            held: 0.0,
+            touched: true,
+            apart: true,
+            let_go: true,
+            forces: (f64::NAN, f64::NAN),
+        };
+        let places = (0..=20_000).map(|n| low + (high - low) * f64::from(n) / 20_000.0);
+        let all: Vec<f64> = places.map(|delta| law.force(delta, delta > 0.0)).collect();
+        let (least, most) = law.law().forces(&passed);
+        let dense =
+            [all.iter().copied().fold(f64::INFINITY, f64::min), all.iter().copied().fold(-1.0, f64::max)];
+        let scale = dense[1] - dense[0];
+        assert!(
+            (least - dense[0]).abs() < 1e-6 * scale && (most - dense[1]).abs() < 1e-6 * scale,
+            "{least:e} {most:e} {dense:?}"
+        );
     }
 }
