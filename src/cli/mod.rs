@@ -283,10 +283,15 @@ fn load(path: &Path) -> anyhow::Result<Scene> {
     }
 }
 
-/// The scene that results were made from: as written or, where a file that it names is not there any more, with every value.
+/// The scene that results were made from: as written or, where a file that it names is not there any more or may have changed,
+/// with every value.
 fn scene_in(path: &Path, results: &Results) -> anyhow::Result<Scene> {
     let told = |name| Scene::parse(path, results.text(name).unwrap_or_default());
-    let scene = told("scene").or_else(|error| told("scene_resolved").map_err(|_| error));
+    let scene = match told("scene") {
+        Ok(scene) if scene.base.contact.table.is_none() => Ok(scene),
+        // A table of forces may have changed since; the resolved scene has its numbers.
+        read => told("scene_resolved").or(read),
+    };
     scene.with_context(|| format!("the scene in {}", path.display()))
 }
 
