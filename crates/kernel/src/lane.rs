@@ -1,6 +1,6 @@
 //! The arithmetic the kernel is written in: one number, or a vector of them, per instance.
 
-use crate::contact::force_table::{self, COLUMNS, MOST_WIDTH};
+use crate::contact::force_table::COLUMNS;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value per instance. Only operations that a shader has too are offered.
@@ -67,18 +67,7 @@ pub trait Lane:
     }
 
     /// For each instance the row that holds its number in the force table whose number is `table`.
-    #[inline(always)]
-    fn look_up(self, table: Self) -> [Self; COLUMNS] {
-        let zero = Self::element(0.0);
-        let (mut x, mut numbers) = ([zero; MOST_WIDTH], [zero; MOST_WIDTH]);
-        self.store(&mut x);
-        table.store(&mut numbers);
-        let mut rows = [[zero; MOST_WIDTH]; COLUMNS];
-        force_table::fill((&x[..Self::WIDTH], &numbers[..Self::WIDTH]), Self::element, &mut rows);
-        let [a, b, c, d, e, f, g, h, i, j, k] = &rows;
-        let load = Self::load;
-        [load(a), load(b), load(c), load(d), load(e), load(f), load(g), load(h), load(i), load(j), load(k)]
-    }
+    fn look_up(self, table: Self) -> [Self; COLUMNS];
 
     /// Does `work` compiled for the instructions that the lane is made of, if what it calls is inlined.
     #[inline(always)]
@@ -112,6 +101,35 @@ impl<L: Lane> Zip<L> for (L, L) {
 pub fn when<L: Lane, T: Zip<L>>(mask: L::Mask, otherwise: T, work: impl FnOnce() -> T) -> T {
     L::when(mask, otherwise, work, |otherwise, taken, join| otherwise.zip(taken, join))
 }
+
+/// [`Lane::look_up`] of a lane of so many instances.
+macro_rules! look_up {
+    ($float:ty, $width:expr) => {
+        #[inline(always)]
+        fn look_up(self, table: Self) -> [Self; crate::contact::force_table::COLUMNS] {
+            let (mut x, mut numbers): ([$float; $width], [$float; $width]) = ([0.0; $width], [0.0; $width]);
+            self.store(&mut x);
+            table.store(&mut numbers);
+            let rows = crate::contact::force_table::columns((&x, &numbers), Self::element);
+            let [a, b, c, d, e, f, g, h, i, j, k] = &rows;
+            let load = Self::load;
+            [
+                load(a),
+                load(b),
+                load(c),
+                load(d),
+                load(e),
+                load(f),
+                load(g),
+                load(h),
+                load(i),
+                load(j),
+                load(k),
+            ]
+        }
+    };
+}
+pub(crate) use look_up;
 
 macro_rules! strict_scalar {
     ($float:ty) => {
@@ -194,6 +212,7 @@ macro_rules! strict_scalar {
             fn any(mask: bool) -> bool {
                 mask
             }
+            look_up!($float, 1);
         }
     };
 }
@@ -334,6 +353,7 @@ macro_rules! pack {
             fn not(a: Self::Mask) -> Self::Mask {
                 a.map(|bits| !bits)
             }
+            look_up!($float, $width);
             #[inline(always)]
             fn any(mask: Self::Mask) -> bool {
                 mask.iter().fold(0, |all, bits| all | bits) != 0

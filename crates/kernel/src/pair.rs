@@ -1,6 +1,7 @@
 //! Two lanes as one.
 
 use super::Lane;
+use super::contact::force_table::COLUMNS;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Two lanes stepped together: while the operations of one wait for each other, the other's run.
@@ -107,6 +108,14 @@ impl<L: Lane> Lane for Pair<L> {
     fn any(mask: Self::Mask) -> bool {
         // One question for both, not two.
         L::any(mask.0) | L::any(mask.1)
+    }
+    #[inline(always)]
+    fn look_up(self, table: Self) -> [Self; COLUMNS] {
+        let (one, two) = (self.0.look_up(table.0), self.1.look_up(table.1));
+        std::array::from_fn(
+            #[inline(always)]
+            |column| Self(one[column], two[column]),
+        )
     }
     #[inline(always)]
     fn run<R>(work: impl FnOnce() -> R) -> R {

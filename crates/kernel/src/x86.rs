@@ -118,6 +118,7 @@ macro_rules! register {
                 Self(unsafe { $select(mask, yes.0, no.0) })
             }
             register!(@masks $masks, $mask);
+            crate::lane::look_up!($float, $width);
 
             #[inline(always)]
             fn run<R>(work: impl FnOnce() -> R) -> R {

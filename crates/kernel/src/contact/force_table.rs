@@ -2,6 +2,7 @@
 //!
 //! A process holds each different table once, under a number that a law has among its constants.
 
+use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Rows of a table; those beyond its knots are never met.
@@ -14,8 +15,6 @@ pub const COLUMNS: usize = 11;
 /// The columns of the two sums at a row's begin; those at its end are three behind.
 const WORK: usize = 6;
 const MOMENT: usize = 7;
-/// Most instances that a lane holds.
-pub const MOST_WIDTH: usize = 32;
 /// Most different tables of a process.
 pub const TABLES: usize = 4096;
 /// The tables that the program makes itself: of e^x and of 1/(1 - x) outside contact, where x is at most 0; 1 inside.
@@ -47,11 +46,75 @@ impl Knot {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceTable {
     rows: Vec<[f64; COLUMNS]>,
-    /// Where the rows begin, once more: a search reads these alone.
-    places: Vec<f64>,
-    /// The same rounded to f32.
-    narrow: Vec<f64>,
+    /// Where the rows begin, and the same rounded to f32.
+    wide: Places,
+    narrow: Places,
     knots: usize,
+}
+
+/// Where the rows of a table begin, and a guide to them: a number's bits without their last say between which rows it lies.
+#[derive(Clone, Debug, PartialEq)]
+struct Places {
+    places: Vec<f64>,
+    /// The bits of the place nearest to zero, and of the farthest; how many of their last bits the guide leaves out.
+    nearest: u64,
+    farthest: u64,
+    shift: u32,
+    /// How many rows begin in cells before each cell.
+    begun: Vec<u16>,
+}
+
+impl Places {
+    /// Cells of the guide, at most, on each side of zero.
+    const CELLS: u64 = 2048;
+
+    fn new(places: Vec<f64>) -> Self {
+        let sizes = places.iter().map(|place| place.abs()).filter(|size| *size > 0.0 && *size < FAR / 2.0);
+        let (nearest, farthest) =
+            sizes.fold((FAR / 2.0, 0.0), |(least, most): (f64, f64), size| (least.min(size), most.max(size)));
+        let (nearest, farthest) = (nearest.min(farthest).to_bits(), farthest.to_bits());
+        let mut shift = 0;
+        while (farthest - nearest) >> shift >= Self::CELLS {
+            shift += 1;
+        }
+        let mut guided = Self { places, nearest, farthest, shift, begun: Vec::new() };
+        let cells = 2 + 2 * ((farthest - nearest) >> shift) as usize;
+        guided.begun = vec![0; cells + 1];
+        for place in &guided.places {
+            let cell = guided.cell(*place);
+            guided.begun[cell + 1] += 1;
+        }
+        for cell in 1..=cells {
+            guided.begun[cell] += guided.begun[cell - 1];
+        }
+        guided
+    }
+
+    /// Larger numbers have no smaller cell.
+    #[inline(always)]
+    fn cell(&self, x: f64) -> usize {
+        let size = (x.abs().to_bits().clamp(self.nearest, self.farthest) - self.nearest) >> self.shift;
+        let most = (self.farthest - self.nearest) >> self.shift;
+        (if x < 0.0 { most - size } else { most + 1 + size }) as usize
+    }
+
+    /// The last row that does not begin behind `x`: what shaders/table.wgsl finds.
+    #[inline(always)]
+    fn row(&self, x: f64) -> usize {
+        let cell = self.cell(x);
+        let mut row = usize::from(self.begun[cell]).saturating_sub(1);
+        let mut more = usize::from(self.begun[cell + 1]).saturating_sub(1 + row);
+        while more > 0 {
+            let half = more.div_ceil(2);
+            if x >= self.places[row + half] {
+                row += half;
+                more -= half;
+            } else {
+                more = half - 1;
+            }
+        }
+        row
+    }
 }
 
 impl ForceTable {
@@ -103,9 +166,9 @@ impl ForceTable {
                 row[column] -= sum;
             }
         }
-        let places: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-        let narrow = places.iter().map(|place| f64::from(*place as f32)).collect();
-        Self { rows, places, narrow, knots: knots.len() }
+        let wide = Places::new(rows.iter().map(|row| row[0]).collect());
+        let narrow = Places::new(rows.iter().map(|row| f64::from(row[0] as f32)).collect());
+        Self { rows, wide, narrow, knots: knots.len() }
     }
 
     /// The number of the table through these knots, which must rise: at least one, at most [`KNOTS`]. None where a process has
@@ -122,6 +185,20 @@ impl ForceTable {
             }
         }
         None
+    }
+
+    /// The number of the table with these parameters in a family of tables, as [`ForceTable::number`] gives it; only the first
+    /// call makes its knots.
+    pub fn member(
+        family: &'static str,
+        parameters: [f64; 2],
+        knots: impl FnOnce() -> Vec<Knot>,
+    ) -> Option<usize> {
+        type Members = BTreeMap<(&'static str, [u64; 2]), Option<usize>>;
+        static MEMBERS: Mutex<Members> = Mutex::new(BTreeMap::new());
+        let mut members = MEMBERS.lock().unwrap_or_else(PoisonError::into_inner);
+        let member = members.entry((family, parameters.map(f64::to_bits)));
+        *member.or_insert_with(|| Self::number(&knots()))
     }
 
     /// The table of that number; the exponential one where there is none.
@@ -143,26 +220,9 @@ impl ForceTable {
         (self.rows[1][0], self.rows[self.knots][0])
     }
 
-    /// The numbers of the rows that hold each of `x`, side by side. As shaders/table.wgsl does it.
-    #[inline]
-    fn find(&self, x: &[f64], narrow: bool, rows: &mut [usize]) {
-        let places: &[f64] = if narrow { &self.narrow } else { &self.places };
-        let mut step = ROWS / 2;
-        while step > 0 {
-            for (row, x) in rows.iter_mut().zip(x) {
-                *row += step * usize::from(*x >= places[*row + step]);
-            }
-            step /= 2;
-        }
-    }
-
     /// Force, slope, and the force's integral from the first knot on, at `x`.
     pub fn at(&self, x: f64) -> [f64; 3] {
-        let [at, _, force, rise, square, cube, work, ..] = {
-            let mut row = [0];
-            self.find(&[x], false, &mut row);
-            self.rows[row[0]]
-        };
+        let [at, _, force, rise, square, cube, work, ..] = self.rows[self.wide.row(x)];
         if at == -FAR {
             return [force, 0.0, force * (x - self.rows[1][0])];
         }
@@ -175,34 +235,24 @@ impl ForceTable {
     }
 }
 
-/// Puts the row of each `x` in the table of its number into columns; `element` rounds to the lane's precision.
+/// For each instance the row that holds its `x` in the table of its `number`, column by column; `element` rounds to the lane's
+/// precision.
 #[inline(never)]
-pub fn fill<E: Copy + Into<f64>>(
-    (x, number): (&[E], &[E]),
+pub fn columns<E: Copy + Into<f64>, const WIDTH: usize>(
+    (x, number): (&[E; WIDTH], &[E; WIDTH]),
     element: fn(f64) -> E,
-    columns: &mut [[E; MOST_WIDTH]; COLUMNS],
-) {
+) -> [[E; WIDTH]; COLUMNS] {
     let narrow = size_of::<E>() < size_of::<f64>();
-    let (mut places, mut rows) = ([0.0; MOST_WIDTH], [0; MOST_WIDTH]);
-    let count = x.len();
-    for (place, x) in places.iter_mut().zip(x) {
-        *place = (*x).into();
-    }
-    let table_of = |number: &E| ForceTable::numbered((*number).into() as usize);
-    let first: f64 = number[0].into();
-    if number.iter().all(|other| (*other).into() == first) {
-        table_of(&number[0]).find(&places[..count], narrow, &mut rows[..count]);
-    } else {
-        for (n, number) in number.iter().enumerate() {
-            table_of(number).find(&places[n..=n], narrow, &mut rows[n..=n]);
+    let mut columns = [[x[0]; WIDTH]; COLUMNS];
+    for lane in 0..WIDTH {
+        let table = ForceTable::numbered(number[lane].into() as usize);
+        let places = if narrow { &table.narrow } else { &table.wide };
+        let row = &table.rows[places.row(x[lane].into())];
+        for column in 0..COLUMNS {
+            columns[column][lane] = element(row[column]);
         }
     }
-    for (lane, number) in number.iter().enumerate() {
-        let row = &table_of(number).rows[rows[lane]];
-        for (column, value) in columns.iter_mut().zip(row) {
-            column[lane] = element(*value);
-        }
-    }
+    columns
 }
 
 /// Knots so dense that the cubic is right to 1e-8 of the force at contact, from far away to contact at 0.
@@ -263,6 +313,29 @@ mod tests {
         }
         for number in [EXPONENTIAL, INVERSE] {
             assert_eq!(ForceTable::numbered(number).at(0.7)[..2], [1.0, 0.0]);
+        }
+    }
+
+    /// Truth: each row in turn. Knots that are graded, even, crowded or single, and numbers at, between and beyond them.
+    #[test]
+    fn rows_are_those_that_a_look_at_each_finds() {
+        let even: Vec<f64> = (0..500).map(|n| -3.0 + 0.01 * f64::from(n)).collect();
+        let crowded: Vec<f64> = (0..900).map(|n| 5.0 + 1e-9 * f64::from(n)).chain([6.0]).collect();
+        let graded = decaying_places().collect();
+        for knots in
+            [even, crowded, graded, vec![0.0], vec![-2.0], vec![0.0, 1e-12], vec![-1e20, 0.0, 1e-300]]
+        {
+            let all: Vec<Knot> = knots.iter().map(|at| Knot::smooth(*at, 1.0, 0.0)).collect();
+            let table = ForceTable::new(&all);
+            let between = knots.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+            let beside = knots.iter().flat_map(|at| [at.next_down(), *at, at.next_up()]);
+            let far = [-1e300, -1e3, -1.0, -0.0, 0.0, 1e-310, 1.0, 1e3, 1e300, f64::NEG_INFINITY];
+            for x in between.chain(beside).chain(far) {
+                for places in [&table.wide, &table.narrow] {
+                    let truth = places.places.iter().rposition(|place| x >= *place).unwrap_or(0);
+                    assert_eq!(places.row(x), truth, "{x:e}");
+                }
+            }
         }
     }
 

@@ -45,11 +45,9 @@ impl SpheroCone {
         (delta, 2.0 * (a * delta - inside + s * (0.5 * self.cap / self.tangent + square / 3.0)))
     }
 
-    /// The force of a tip of this radius (m) on a half-space of reduced modulus `E*`, Pa.
-    ///
-    /// The table's knots are even in the root of a on the cap, and in that of s beyond it: there a rises with the square of the
-    /// indentation at first. The slope is `2 E* a`, as of every tip with an axis.
-    pub fn term(&self, modulus: f64, radius: f64) -> TermForce {
+    /// Force over indentation, in their units. The places are even in the root of a on the cap, and in that of s beyond it: there
+    /// a rises with the square of the indentation at first. The slope is `2 E* a`, as of every tip with an axis.
+    fn knots(&self) -> Vec<Knot> {
         let widest = 2.0 / PI * self.tangent * (SPHERO_CONE_REACH + 4.0 / self.tangent) + 2.0;
         let graded = |n: usize, all: usize| (n as f64 / all as f64).powi(2);
         let cap = (0..=CAP_CELLS).map(|n| self.cap * graded(n, CAP_CELLS));
@@ -62,8 +60,13 @@ impl SpheroCone {
         };
         let mut knots: Vec<Knot> = radii.iter().map(knot).collect();
         knots.dedup_by(|next, knot| next.at <= knot.at);
+        knots
+    }
+
+    /// The force of a tip of this radius (m) on a half-space of reduced modulus `E*`, Pa.
+    pub fn term(&self, modulus: f64, radius: f64) -> TermForce {
         let amplitude = modulus * radius * radius;
-        match ForceTable::number(&knots) {
+        match ForceTable::member("sphero-cone", [self.cap, self.tangent], || self.knots()) {
             Some(table) => TermForce { amplitude, length: radius, table },
             None => TermForce { amplitude: f64::NAN, length: radius, table: EXPONENTIAL },
         }

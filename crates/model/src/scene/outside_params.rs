@@ -106,11 +106,13 @@ impl OutsideForce {
                     return of(amplitude * phase.to_radians().cos(), EXPONENTIAL);
                 };
                 let (rate, phase) = (TAU * decay_length / period, phase.to_radians());
-                let knots = force_table::decaying(|x| {
-                    let (sine, cosine) = (phase - rate * x).sin_cos();
-                    (x.exp() * cosine, x.exp() * (cosine + rate * sine))
-                });
-                match ForceTable::number(&knots) {
+                let knots = || {
+                    force_table::decaying(|x| {
+                        let (sine, cosine) = (phase - rate * x).sin_cos();
+                        (x.exp() * cosine, x.exp() * (cosine + rate * sine))
+                    })
+                };
+                match ForceTable::member("hydration", [rate, phase], knots) {
                     Some(table) => of(amplitude, table),
                     None => of(f64::NAN, EXPONENTIAL),
                 }
