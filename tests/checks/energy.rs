@@ -20,26 +20,37 @@ pub struct Balance {
     pub excited: f64,
 }
 
+/// The sums over n of `values[n] exp(-2 pi i m n / N)`, by halves as long as these are whole.
+fn transform(values: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    let count = values.len();
+    let turn = |m: usize| Complex::from_polar(1.0, -TAU * m as f64 / count as f64);
+    if count % 2 == 1 {
+        let sum = |m: usize| values.iter().enumerate().map(|(n, value)| value * turn(m * n % count)).sum();
+        return (0..count).map(sum).collect();
+    }
+    let half = |first: usize| transform(&values[first..].iter().step_by(2).copied().collect::<Vec<_>>());
+    let (even, odd) = (half(0), half(1));
+    (0..count).map(|m| even[m % (count / 2)] + turn(m) * odd[m % (count / 2)]).collect()
+}
+
 /// Amplitudes of the force's harmonics 0, 1, 2, ... over the run's last period: the force is
 /// the real first one plus sum Im(F_m exp(i m phi)), phi being the drive's phase.
 pub fn force_harmonics(plan: &Plan, instance: usize) -> Vec<Complex<f64>> {
     let trace = trace(plan, instance, None, plan.run.periods, 1).expect("the instance can be traced");
     let count = trace.samples.len();
-    // Cosine and sine by table: harmonic m of sample n is entry m (2n + 1) of 2N.
-    let table: Vec<Complex<f64>> =
-        (0..2 * count).map(|j| Complex::from_polar(1.0, -PI * j as f64 / count as f64)).collect();
+    let column = |of: fn(&TraceSample) -> f64| {
+        transform(&trace.samples.iter().map(|sample| of(sample).into()).collect::<Vec<_>>())
+    };
+    let (force, moment) = (column(|sample| sample.force), column(|sample| sample.moment));
     // JKR's jumps ring modes far above the drive: enough to reach them when it is slow.
     let most = (count / 2).min(4096);
     (0..=most)
         .map(|m| {
             // A force that acts late in its step does so with a later phase.
             let turn = Complex::new(0.0, -TAU * m as f64 / count as f64);
-            let sum: Complex<f64> = (trace.samples.iter().enumerate())
-                .map(|(n, sample)| {
-                    table[m * (2 * n + 1) % (2 * count)] * (sample.force + turn * sample.moment)
-                })
-                .sum();
-            let mean = sum / count as f64;
+            let sum = force[m] + turn * moment[m];
+            // Samples lie in the middles of the steps.
+            let mean = sum * Complex::from_polar(1.0, -PI * m as f64 / count as f64) / count as f64;
             if m == 0 {
                 return mean;
             }

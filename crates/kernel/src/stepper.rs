@@ -339,17 +339,29 @@ fn trace<L: Lane<Element = f64>, I: Interaction<L>>(
             (case, State::load(modes, &spread(rows)))
         },
     );
-    each_step(&case, &mut state, waves, decay, Wants::FUNDAMENTAL, |_, before, sample| {
-        see(&Traced {
-            x: before.x.map(|x| x.lane(0)),
-            steady: sample.steady.lane(0),
-            beyond: sample.beyond.lane(0),
-            indentation: sample.indentation.lane(0),
-            impulse: sample.kick.impulse.lane(0),
-            shift: sample.kick.shift.lane(0),
-            touching: sample.kick.touching.lane(0) > 0.0,
-        });
-    });
+    each_step(
+        &case,
+        &mut state,
+        waves,
+        decay,
+        Wants::FUNDAMENTAL,
+        #[inline(always)]
+        |_, before, sample| {
+            let mut x = [0.0; MODES_MAX];
+            for (place, number) in x.iter_mut().zip(&before.x[..modes]) {
+                *place = number.lane(0);
+            }
+            see(&Traced {
+                x,
+                steady: sample.steady.lane(0),
+                beyond: sample.beyond.lane(0),
+                indentation: sample.indentation.lane(0),
+                impulse: sample.kick.impulse.lane(0),
+                shift: sample.kick.shift.lane(0),
+                touching: sample.kick.touching.lane(0) > 0.0,
+            });
+        },
+    );
     let numbers = state.x[..modes].iter().chain(&state.u[..modes]).chain([&state.touching]);
     numbers.zip(rows).for_each(|(number, place)| *place = number.lane(0));
 }

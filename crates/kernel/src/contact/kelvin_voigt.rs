@@ -155,16 +155,35 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         L::select(self.withdraws(-L::splat(ONE)), more, L::splat(ZERO))
     }
 
-    /// The point at an end of the step. The tip's path is off the stepped one by a twelfth of the force there.
+    /// The point at an end of the step. The tip's path is off the stepped one by a twelfth of the force there, and at the end of a
+    /// pass, whose start and elastic mean are given, by how late the viscous force acts.
     #[inline(always)]
-    fn end_point(&self, indentation: L, rate: L, late: impl Fn(&RatePoint<L>) -> L) -> RatePoint<L> {
+    fn end_point(&self, indentation: L, rate: L, pass: Option<(&RatePoint<L>, L)>) -> RatePoint<L> {
         let twelfth = L::splat(TWELFTH);
         let mut point = self.point(indentation, rate);
         for _ in 0..2 {
             let force = point.force + self.adhesion.sample(point.indentation);
-            point = self.point(twelfth.mul_add(force, indentation) + late(&point), rate);
+            let late = match pass {
+                Some(pass) => self.lag(pass, &point),
+                None => L::splat(ZERO),
+            };
+            point = self.point(twelfth.mul_add(force, indentation) + late, rate);
         }
         point
+    }
+
+    /// How late the viscous force of a pass acts: between its start and its end, with the mean of the elastic force.
+    #[inline(always)]
+    fn lag(&self, (start, mean): (&RatePoint<L>, L), end: &RatePoint<L>) -> L {
+        let middle = L::splat(HALF) * (start.elastic + end.elastic) - mean;
+        let bend = end.slope * end.rate - start.slope * start.rate;
+        self.retardation * (-L::splat(TWELFTH)).mul_add(bend, middle)
+    }
+
+    /// The depth at which an ad hoc contact ends at this rate: -tau v/2.
+    #[inline(always)]
+    fn depth_at(&self, rate: L) -> L {
+        -(L::splat(HALF) * self.retardation * rate)
     }
 
     /// The impulse to begin with: the force at the sample with the rate in the middle of the kick.
@@ -199,12 +218,7 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         let chord = Path { start: centre - reach, end: centre + reach };
         // On approach: the elastic mean, and the viscous impulse, which is exact for any path.
         let mean = self.hertz.mean(chord);
-        let late = |end: &RatePoint<L>| {
-            let middle = half * (start.elastic + end.elastic) - mean.force;
-            let bend = end.slope * end.rate - start.slope * start.rate;
-            tau * (-twelfth).mul_add(bend, middle)
-        };
-        let end = self.end_point(ends.end - half_kick, end_rate, late);
+        let end = self.end_point(ends.end - half_kick, end_rate, Some((start, mean.force)));
         let turn = (start.rate - end_rate).abs().max(L::splat(LEAST));
         let third = L::splat(THIRD) / turn;
         let turned = L::select(end_rate.less(zero), -(end_rate * self.curvature(&end)) * third, zero);
@@ -221,14 +235,13 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         let outward = away_mean.force - began;
         let outward_slope = half.mul_add(tau, twelfth).mul_add(away_mean.slope, one);
         let leaves = self.withdraws(start.rate + end_rate);
-        let choose = |outward, inward| L::select(leaves, outward, inward);
         let pass = ContactPass {
-            impulse: choose(outward, inward),
-            lag: choose(zero, late(&end)),
-            share: choose(away_mean.share, mean.share),
-            touching: touching_at(choose(away.end, chord.end)),
+            impulse: L::select(leaves, outward, inward),
+            lag: L::select(leaves, zero, self.lag((start, mean.force), &end)),
+            share: L::select(leaves, away_mean.share, mean.share),
+            touching: touching_at(L::select(leaves, away.end, chord.end)),
         };
-        (pass, end, choose(outward_slope, inward_slope))
+        (pass, end, L::select(leaves, outward_slope, inward_slope))
     }
 
     /// The whole force at an indentation and a rate.
@@ -242,13 +255,12 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
     fn last_pull(&self, (start, end): (&RatePoint<L>, &RatePoint<L>)) -> L {
         let zero = L::splat(ZERO);
         let travel = (start.indentation - end.indentation).max(L::splat(LEAST));
-        let at = |rate: L| -(L::splat(HALF) * self.retardation * rate);
         let mut rate = end.rate;
         for _ in 0..2 {
-            let share = (start.indentation - at(rate)) / travel;
+            let share = (start.indentation - self.depth_at(rate)) / travel;
             rate = start.rate + share * (end.rate - start.rate);
         }
-        let depth = at(rate);
+        let depth = self.depth_at(rate);
         let passes = L::both(end.indentation.less(depth), depth.less(start.indentation));
         let pulls = L::both(passes, zero.less(self.ad_hoc));
         L::select(pulls, self.whole((depth, rate)), self.whole((end.indentation, end.rate)))
@@ -267,14 +279,26 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
     #[inline(always)]
     fn followed(&self, at: Approach<L>, impulse: L) -> (L, L) {
         let ends = StepEnds::of(at);
-        let start = self.end_point(ends.start, ends.start_rate, |_| L::splat(ZERO));
+        let start = self.end_point(ends.start, ends.start_rate, None);
         let (_, end, _) = self.pass(at, (&ends, &start), impulse);
-        let [first, last] = [&start, &end].map(|point| (point.indentation, point.rate));
+        let (first, last) = ((start.indentation, start.rate), (end.indentation, end.rate));
         let middle = midway(first, last, ONE);
         let [early, late] = [midway(first, middle, HALF), midway(middle, last, HALF)];
-        let parts = [(first, early), (early, middle), (middle, late), (late, last)];
-        let [a, b, c, d] = parts.map(|(from, to)| midway(from, to, QUARTER));
-        let forces = [first, a, early, b, middle, c, late, d, last].map(|point| self.whole(point));
+        let points = [
+            first,
+            midway(first, early, QUARTER),
+            early,
+            midway(early, middle, QUARTER),
+            middle,
+            midway(middle, late, QUARTER),
+            late,
+            midway(late, last, QUARTER),
+            last,
+        ];
+        let mut forces = [L::splat(ZERO); 9];
+        for (force, point) in forces.iter_mut().zip(points) {
+            *force = self.whole(point);
+        }
         let pull = self.last_pull((&start, &end));
         let mut extremes = (forces[0].min(forces[8]).min(pull), forces[0].max(forces[8]));
         for three in forces.windows(3) {
@@ -320,7 +344,7 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         let repulsion = first - self.adhesion.sample(at.indentation);
         let (pull, shift) = self.adhesion.pull(at, path, path.share_inside(), repulsion);
         let ends = StepEnds::of(at);
-        let start = self.end_point(ends.start, ends.start_rate, |_| L::splat(ZERO));
+        let start = self.end_point(ends.start, ends.start_rate, None);
         let most = first.abs() + at.speed.abs() + at.acceleration.abs();
         let mut impulse = first;
         for _ in 0..2 {

@@ -59,6 +59,19 @@ struct Pass<L> {
     gains: [L; 2],
 }
 
+/// A path of this mean and half length.
+#[inline(always)]
+fn around<L: Lane>(mean: L, half_way: L) -> Path<L> {
+    Path { start: mean - half_way, end: mean + half_way }
+}
+
+/// The mean of what of a path is above zero, and its share.
+#[inline(always)]
+fn inside<L: Lane>(path: Path<L>) -> (L, L) {
+    let (zero, share) = (L::splat(ZERO), path.share_inside());
+    (L::splat(HALF) * share * (path.start.max(zero) + path.end.max(zero)), share)
+}
+
 impl<L: Lane> RelaxingHertz<L> {
     /// Hertz's force per stiffness.
     #[inline(always)]
@@ -72,6 +85,12 @@ impl<L: Lane> RelaxingHertz<L> {
         let hollow = depth * depth * depth / (total * total).max(L::splat(LEAST));
         let room = (L::splat(ONE) - self.relaxing * hollow).max(L::splat(TENTH));
         L::splat(ONE) / room.sqrt()
+    }
+
+    /// The force at an indentation that widens the contact, whose memory holds `total`.
+    #[inline(always)]
+    fn outer(&self, indentation: L, total: L) -> L {
+        (Self::unit().sample(indentation) - self.relaxing * total).max(L::splat(ZERO))
     }
 
     /// What the memory has gained by the end of the step, and what it is on its mean, by a source of such mean and rise.
@@ -90,19 +109,14 @@ impl<L: Lane> RelaxingHertz<L> {
         let bend = twelfth * (at.acceleration - guess.impulse);
         let tips = [path.start + bend, path.end + bend];
         let above = [tips[0] - arm * depth, tips[1] - arm * guess.depth];
-        let [first, last] = above.map(|above| above.max(zero));
+        let [first, last] = [above[0].max(zero), above[1].max(zero)];
         let rise = last - first;
         let half_way = half * (above[1] - above[0]);
-        let around = |mean: L| Path { start: mean - half_way, end: mean + half_way };
-        let inside = |path: Path<L>| {
-            let share = path.share_inside();
-            (half * share * (path.start.max(zero) + path.end.max(zero)), share)
-        };
-        let (deep, share) = inside(around(guess.above));
+        let (deep, share) = inside(around(guess.above, half_way));
         let held = self.mean_left * depth + self.mean_gain * deep + self.mean_rise_gain * rise;
         let off = centre - arm * held - guess.above;
         let mean = guess.above + off / (arm * self.mean_gain).mul_add(share, one);
-        let way = around(mean);
+        let way = around(mean, half_way);
         let (deep, share) = inside(way);
         let deepened = self.gained((deep, rise));
         Heights { path, tips, above, way, mean, share, deepened, depth: self.left.mul_add(depth, deepened) }
@@ -123,12 +137,12 @@ impl<L: Lane> RelaxingHertz<L> {
         let widens = Path { start: wide[0], end: wide[1] }.share_inside();
         let (whole, within) = (unit.mean(path), unit.mean(way));
         let wider = [self.widening(depth, total), self.widening(end_depth, guess.total)];
-        let pressed = above.map(|above| unit.sample(above));
-        let forces = |n: usize, indentation: L, total: L| {
-            let outer = (unit.sample(indentation) - arm * total).max(zero);
-            L::select(wide[n].less(zero), wider[n] * pressed[n], outer)
-        };
-        let ends = [forces(0, tips[0], total), forces(1, tips[1], guess.total)];
+        let pressed = [unit.sample(above[0]), unit.sample(above[1])];
+        let outer = [self.outer(tips[0], total), self.outer(tips[1], guess.total)];
+        let ends = [
+            L::select(wide[0].less(zero), wider[0] * pressed[0], outer[0]),
+            L::select(wide[1].less(zero), wider[1] * pressed[1], outer[1]),
+        ];
         let force_rise = ends[1] - ends[0];
         let held = self.mean_left * total + self.mean_rise_gain * force_rise;
         let outer =
@@ -136,8 +150,7 @@ impl<L: Lane> RelaxingHertz<L> {
         let mean_wider = half * (wider[0] + wider[1]);
         let bent = L::splat(TWELFTH) * (wider[1] - wider[0]) * (pressed[1] - pressed[0]);
         let inner = mean_wider.mul_add(within.force, bent);
-        let mixed = |outer: L, inner: L| widens.mul_add(outer - inner, inner);
-        let force = mixed(outer, inner).max(zero);
+        let force = widens.mul_add(outer - inner, inner).max(zero);
         let summed = self.gained((force, force_rise));
         let next = Guess {
             impulse: self.hertz.stiffness * force,
@@ -148,7 +161,7 @@ impl<L: Lane> RelaxingHertz<L> {
         let pass = Pass {
             force,
             ends,
-            share: mixed(whole.share, share),
+            share: widens.mul_add(whole.share - share, share),
             end: L::select(wide[1].less(zero), above[1], path.end),
             gains: [deepened, summed],
         };
@@ -161,7 +174,7 @@ impl<L: Lane> RelaxingHertz<L> {
         let zero = L::splat(ZERO);
         let [depth, total] = at.memory;
         let above = at.indentation - self.relaxing * depth;
-        let force = (Self::unit().sample(at.indentation) - self.relaxing * total).max(zero);
+        let force = self.outer(at.indentation, total);
         let first = Guess {
             impulse: self.hertz.stiffness * force,
             depth: self.left.mul_add(depth, self.gain * above.max(zero)),

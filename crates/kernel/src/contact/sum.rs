@@ -115,17 +115,16 @@ impl<L: Lane> Term<L> {
         let apart = first.at.less(last.at);
         let one = first.piece(low, high.min(first.next));
         let two = last.piece(L::select(apart, last.at, high), high);
-        let between = |difference: L| L::select(apart, difference, zero);
         let (work, moment) = (last.work - first.next_work, last.moment - first.next_moment);
         let centre = L::splat(HALF) * (low + high);
         let inverse = L::splat(ONE) / (high - low).max(L::splat(LEAST));
         let (work_one, work_two) = (one.length * one.mean, two.length * two.mean);
-        let work_all = work_one + work_two + between(work);
-        let rise =
-            one.length.mul_add(one.slope, two.length * two.slope) + between(last.value - first.next_value);
+        let work_all = work_one + work_two + L::select(apart, work, zero);
+        let rise = one.length.mul_add(one.slope, two.length * two.slope)
+            + L::select(apart, last.value - first.next_value, zero);
         let turn = (one.centre - centre).mul_add(work_one, one.moment)
             + (two.centre - centre).mul_add(work_two, two.moment)
-            + between(moment - centre * work);
+            + L::select(apart, moment - centre * work, zero);
         let even = (turn * inverse).mul_add(inverse, -(L::splat(TWELFTH) * rise)) * inverse;
         // On a short piece across a knot this is a difference of almost equal numbers, and next to nothing.
         let width = L::splat(EIGHTH) * (first.next - first.at);
