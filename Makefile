@@ -1,6 +1,8 @@
 # make demo    builds, runs the example sweep and makes its page      (STATIC=1: builds HDF5 as well)
 # make test    what every commit needs: Rust's tests, then the results file in Python's readers
 # make test-all    the long ones as well: independent integrators over wide grids, SciPy, signals, fuzz (two hours)
+# make live    builds the web page's engine and the program with it, and writes the page (results/live.html)
+# make live-check   the page's engine against the program, and the page in Chromium (node and chromium; some minutes)
 # make site    the documents as pages, in target/site
 # make lint    formatting, clippy, documentation
 # make library-check   the library alone from an empty project, without GPU, HDF5, pictures or program, and without a warning (a minute or two)
@@ -19,6 +21,7 @@
 # make same-bits OTHER=PROGRAM   whether another version of the program gives the same bits for the same work, over 128 sweeps; TIMES=5: processor seconds of both in turns (some minutes)
 # make peers   error against time beside other solvers, into results/precision (half an hour and the build)
 SHELL := /bin/bash
+comma := ,
 STATIC ?=
 FEATURES := $(if $(STATIC),--features static-hdf5)
 PROGRAM := $(or $(CARGO_TARGET_DIR),target)/release/afmsweep
@@ -28,7 +31,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help demo test test-all deps build lint library-check site python python-check python-package-check wheel scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check same-bits slurm-check dask-check dask-slurm-check dakota-check peers clean
+.PHONY: help live live-check demo test test-all deps build lint library-check site python python-check python-package-check wheel scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check same-bits slurm-check dask-check dask-slurm-check dakota-check peers clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -40,6 +43,17 @@ demo: build
 	@echo "results: results/quickstart.h5"
 	@echo "page:    results/quickstart/index.html"
 
+live: deps
+	tools/live.sh
+	cargo build --release --features live$(if $(STATIC),$(comma)static-hdf5)
+	@mkdir -p results
+	$(PROGRAM) live -o results/live.html
+
+live-check: deps $(PYTHON)
+	cargo build $(FEATURES)
+	tools/live.sh
+	tools/live_check.sh
+
 build: deps
 	cargo build --release $(FEATURES)
 
@@ -50,7 +64,7 @@ test: deps
 	cargo test $(FEATURES)
 	$(MAKE) --no-print-directory python-check
 
-test-all: deps library-check scipy-check signal-check kill-check fuzz-files
+test-all: deps library-check live-check scipy-check signal-check kill-check fuzz-files
 	cargo test $(FEATURES) -- --include-ignored --skip child_without_room
 	$(MAKE) --no-print-directory python-check
 	$(MAKE) --no-print-directory fuzz MUTANTS=$(or $(MUTANTS),2000)

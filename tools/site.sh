@@ -15,12 +15,17 @@ done < <(git ls-files '*.md')
 while read -r file; do
     mkdir -p "$source/$(dirname "$file")"
     cp "$file" "$source/$file"
-done < <(git ls-files '*.svg' '*.csv' '*.json' '*.ipynb' 'LICENSE*' 'scenes/*' 'tests/hard/*' 'tests/clusters/*' 'examples/*' 'benches/*' 'src/*' 'crates/*' 'CITATION.cff' | grep -v '\.md$')
+done < <(git ls-files '*.svg' '*.png' '*.csv' '*.json' '*.ipynb' 'LICENSE*' 'scenes/*' 'tests/hard/*' 'tests/clusters/*' 'examples/*' 'benches/*' 'src/*' 'crates/*' 'CITATION.cff' | grep -v '\.md$')
 cp tools/site.css "$source/"
 # Without its warnings it would not fail on them.
 log=target/site.log
 if ! "${PYTHON:-.venv/bin/python}" -m mkdocs build --strict --config-file mkdocs.yml >"$log" 2>&1; then
     grep -v '^INFO' "$log" >&2
     exit 1
+fi
+# The live page, where its engine is built.
+program=${CARGO_TARGET_DIR:-target}/release/afmsweep
+if [ -f target/web/engine.wasm.gz ] && [ -x "$program" ]; then
+    "$program" -q live --engine target/web/engine.wasm.gz -o target/site/live.html
 fi
 echo "site: target/site/index.html"

@@ -13,6 +13,7 @@ pub mod force;
 mod glossary;
 pub mod infer;
 mod init;
+mod live;
 mod merge;
 pub mod modes;
 mod peek;
@@ -82,6 +83,8 @@ enum Command {
     Devices(devices::DevicesArgs),
     /// Pictures and a page of tables from a results file
     Report(report::ReportArgs),
+    /// A page that computes by itself: sliders in place of a scene's values
+    Live(live::LiveArgs),
     /// The points of a scene's samples, as CSV
     Sample(sample::SampleArgs),
     /// How the observables of uncertain samples are distributed, and which parameters decide
@@ -175,6 +178,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Force(args) => force::main(&args),
         Command::Devices(args) => devices::main(&args),
         Command::Report(args) => report::main(&args, voice),
+        Command::Live(args) => live::main(&args, voice),
         Command::Sample(args) => sample::main(&args, voice),
         Command::Stats(args) => stats::main(&args, voice),
         Command::Infer(args) => infer::main(&args, voice),

@@ -51,6 +51,7 @@ mod cli_bench;
 mod cli_check;
 mod cli_export;
 mod cli_journal;
+mod cli_live;
 mod cli_measured;
 mod cli_mistakes;
 mod cli_refusals;

@@ -1,7 +1,7 @@
 //! Where the drive's work goes, from the contact force's harmonics and the instrument's exact
 //! linear response to each of them: nothing of the stepping enters but the force itself.
 
-use afmsweep::engine::trace;
+use afmsweep::engine::{TraceSample, trace};
 use afmsweep::plan::{Driven, Plan};
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};

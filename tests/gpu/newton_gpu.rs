@@ -339,7 +339,8 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
     }
     for modes in [1, 2, 3, 8, 24] {
         let name = format!("same_bits_as_the_cpu_{modes}_modes_f32");
-        let runs = exact && [1, 24].contains(&modes);
+        // 24 modes take a driver a minute and a half.
+        let runs = exact && [1, 8].contains(&modes);
         add(&name, runs, Box::new(move || same_bits(modes, Precision::F32)));
     }
     add("f32_comes_near", double, Box::new(f32_comes_near));

@@ -10,6 +10,6 @@ pub mod plan;
 pub mod record;
 pub mod sweep;
 
-use afmsweep_data::{design, observe, store, units};
+use afmsweep_data::{clock, design, observe, store, units};
 use afmsweep_kernel as kernel;
 use afmsweep_model::{contact, instrument, scene};

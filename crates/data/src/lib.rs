@@ -1,7 +1,8 @@
 //! What [afmsweep](https://docs.rs/afmsweep) knows without a lever: [`units`], observables ([`observe`]), points of
 //! uncertain quantities ([`design`]), forces from curves ([`reconstruction`]), results files ([`store`]) and what a study's
-//! file tells ([`stats`]).
+//! file tells ([`stats`]); and a [`clock`].
 
+pub mod clock;
 pub mod design;
 pub mod observe;
 pub mod reconstruction;

@@ -3,8 +3,10 @@
 use super::Lane;
 #[cfg(target_arch = "aarch64")]
 use super::Pack;
-#[cfg(target_arch = "x86_64")]
+#[cfg(any(target_arch = "x86_64", target_feature = "simd128"))]
 use super::pair::Pair;
+#[cfg(target_feature = "simd128")]
+use super::wasm::{Four32, Two64};
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Ymm32, Ymm64, Zmm32, Zmm64};
 
@@ -111,6 +113,9 @@ pub(crate) fn with_single<S: WithLanes<f32>>(rounding: Rounding, what: S) -> S::
         Some(Instructions::Avx2) => what.with::<(Pair<Ymm32>, Pair<Ymm32>)>(),
         #[cfg(target_arch = "aarch64")]
         Some(Instructions::Neon) => what.with::<(Pack<f32, 16, true>, Pack<f32, 16, true>)>(),
+        #[cfg(target_feature = "simd128")]
+        None => what.with::<(Four32, Pair<Four32>)>(),
+        #[cfg(not(target_feature = "simd128"))]
         None => what.with::<(f32, f32)>(),
     }
 }
@@ -124,6 +129,9 @@ pub(crate) fn with_double<S: WithLanes<f64>>(rounding: Rounding, what: S) -> S::
         Some(Instructions::Avx2) => what.with::<(Pair<Ymm64>, Pair<Ymm64>)>(),
         #[cfg(target_arch = "aarch64")]
         Some(Instructions::Neon) => what.with::<(Pack<f64, 8, true>, Pack<f64, 8, true>)>(),
+        #[cfg(target_feature = "simd128")]
+        None => what.with::<(Two64, Pair<Two64>)>(),
+        #[cfg(not(target_feature = "simd128"))]
         None => what.with::<(f64, f64)>(),
     }
 }

@@ -41,6 +41,8 @@ mod tally;
 mod tangent;
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests;
+#[cfg(target_feature = "simd128")]
+mod wasm;
 mod wgsl;
 #[cfg(target_arch = "x86_64")]
 mod x86;

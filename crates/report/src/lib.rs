@@ -21,6 +21,7 @@ mod heatmap;
 mod hover;
 mod labels;
 mod limits;
+mod live_page;
 mod page;
 mod page_summary;
 mod picture;
@@ -41,6 +42,7 @@ pub use document::{Block, Document, DocumentTable};
 pub use frame::State;
 pub use heatmap::{Heatmap, Panel};
 pub use labels::capital;
+pub use live_page::live_page;
 pub use quantity_text::shown;
 pub use view_request::ViewRequest;
 

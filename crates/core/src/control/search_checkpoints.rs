@@ -2,11 +2,12 @@
 
 use super::chunk::ChunkJournal;
 use super::followup::{FollowupKey, FollowupKind, FollowupResult};
+use crate::clock::Instant;
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::orbit::{self, Jacobian, OrbitSolution, PeriodicState};
 use crate::plan::{Plan, SectionState};
 use std::cell::{Cell, RefCell};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Target time of a piece: a killed run loses about this much.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(5);

@@ -35,7 +35,7 @@ pub use progress::{HeldPhase, Progress, ProgressPhase};
 pub use reference::{Model, Reference, TOLERANCE, Work, solve, solve_near};
 pub use result_columns::{ResultColumns, WantedColumns};
 pub use return_map::{JacobianStart, ReturnMap};
-pub use threads::on_threads;
+pub use threads::{on_threads, while_watched};
 pub use time_estimate::estimate;
 pub use trace::{Between, Trace, TraceSample, trace};
 

@@ -1,9 +1,9 @@
 //! Progress of a run, phase by phase, and the request to stop; shared with its display.
 
 use super::ProfileSection;
+use crate::clock::Instant;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 
 /// The present phase of a run, and its progress.
 #[derive(Clone, Debug, PartialEq)]

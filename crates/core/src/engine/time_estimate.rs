@@ -1,8 +1,9 @@
 //! Estimates the run time of a plan here.
 
 use super::{Engine, EngineError, Progress};
+use crate::clock::Instant;
 use crate::plan::{Class, Plan};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Instances tried per class, and steps tried in all.
 const SAMPLE_INSTANCES: usize = 64;

@@ -1,10 +1,10 @@
 //! The choice of instances for the audit, and its time limits.
 
 use super::Audit;
+use crate::clock::Instant;
 use crate::control::{self, AuditBudget, AuditedInstance, ChunkJournal, JournaledRun};
-use crate::engine::{EngineError, Progress};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use crate::engine::{EngineError, Progress, while_watched};
+use std::time::Duration;
 
 /// Share of the stepping time that an audit takes. README and the command line's help state it, and [`AUDIT_SECONDS`].
 pub const AUDIT_SHARE: f64 = 0.1;
@@ -81,6 +81,8 @@ fn by_time(
     Ok(done)
 }
 
+/// Interval between looks at the time limit.
+const WATCH_INTERVAL: Duration = Duration::from_millis(5);
 /// Interval between records of the time spent.
 const WRITE_INTERVAL: Duration = Duration::from_secs(1);
 
@@ -92,28 +94,21 @@ fn within<T>(
     work: impl FnOnce(&Progress) -> T,
 ) -> T {
     let start = Instant::now();
-    let (watched, over) = (progress.fork(), AtomicBool::new(false));
-    if limit.is_zero() {
+    let watched = progress.fork();
+    if limit.is_zero() || progress.stopped() {
         watched.stop();
     }
-    let done = std::thread::scope(|scope| {
-        scope.spawn(|| {
-            let mut told = WRITE_INTERVAL;
-            while !over.load(Ordering::Relaxed) {
-                if start.elapsed() > limit || progress.stopped() {
-                    watched.stop();
-                }
-                if start.elapsed() > told {
-                    tell(start.elapsed());
-                    told += WRITE_INTERVAL;
-                }
-                std::thread::sleep(Duration::from_millis(5));
-            }
-        });
-        let done = work(&watched);
-        over.store(true, Ordering::Relaxed);
-        done
-    });
+    let mut told = WRITE_INTERVAL;
+    let watch = || {
+        if start.elapsed() > limit || progress.stopped() {
+            watched.stop();
+        }
+        if start.elapsed() > told {
+            tell(start.elapsed());
+            told += WRITE_INTERVAL;
+        }
+    };
+    let done = while_watched(WATCH_INTERVAL, watch, || work(&watched));
     if !progress.stopped() {
         tell(start.elapsed());
     }

@@ -3,9 +3,9 @@
 use super::planned_sweep::PlannedSweep;
 use super::sweep_phase::MissingPhases;
 use super::{Audit, Error, JournaledOutcome, Observer, Sweep, SweepPhase, audit_budget, sweep_outcome};
+use crate::clock::Instant;
 use crate::control::{self, ChunkJournal, Course, InstanceFlags, JournaledRun};
 use crate::observe::Status;
-use std::time::Instant;
 
 impl Sweep {
     pub(super) fn execute<'k>(

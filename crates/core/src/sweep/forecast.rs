@@ -1,11 +1,11 @@
 //! Forecast of a run's time on this machine, from runs of some instances.
 
 use super::{Error, Recipe, Silent, Sweep};
+use crate::clock::Instant;
 use crate::control::{self, MemoryJournal};
-use crate::engine::Progress;
+use crate::engine::{Progress, while_watched};
 use crate::scene::{Axis, Layout, Scene, Steady};
-use std::sync::mpsc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Instances, spread over all, that run without neighbours.
 const SAMPLE_INSTANCES: usize = 48;
@@ -46,21 +46,7 @@ impl Sweep {
         let progress = Progress::default();
         let start = Instant::now();
         let tried = self.watched(&Silent, || {
-            std::thread::scope(|scope| {
-                let (end, ended) = mpsc::channel::<()>();
-                let progress = &progress;
-                scope.spawn(move || {
-                    if ended
-                        .recv_timeout(MAX_FORECAST_TIME)
-                        .is_err_and(|why| why == mpsc::RecvTimeoutError::Timeout)
-                    {
-                        progress.stop();
-                    }
-                });
-                let tried = self.time_sample(progress);
-                drop(end);
-                tried
-            })
+            while_watched(MAX_FORECAST_TIME, || progress.stop(), || self.time_sample(&progress))
         })?;
         let seconds = start.elapsed().as_secs_f64();
         let (tried, expected) = tried;

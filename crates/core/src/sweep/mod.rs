@@ -58,12 +58,11 @@ pub use sweep_outcome::{JournaledOutcome, SweepOutcome};
 pub use sweep_phase::SweepPhase;
 
 use crate::control::{Course, MemoryJournal};
-use crate::engine::{Engine, Progress, on_threads};
+use crate::engine::{Engine, Progress, on_threads, while_watched};
 use crate::plan::{Plan, Policy, Precision};
 use crate::scene::Scene;
 use planned_sweep::PlannedSweep;
 use std::sync::Arc;
-use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
 /// The engine that steps the instances.
@@ -359,21 +358,12 @@ impl Sweep {
         observer: &dyn Observer,
         work: impl FnOnce() -> Result<T, Error> + Send,
     ) -> Result<T, Error> {
-        on_threads(self.options.threads, || {
-            let (end, ended) = mpsc::channel::<()>();
-            std::thread::scope(|scope| {
-                scope.spawn(move || {
-                    while ended.recv_timeout(Duration::from_millis(50)) == Err(RecvTimeoutError::Timeout) {
-                        if observer.progress(&self.progress.phase()).is_break() {
-                            self.progress.stop();
-                        }
-                    }
-                });
-                let done = work();
-                drop(end);
-                done
-            })
-        })?
+        let watch = || {
+            if observer.progress(&self.progress.phase()).is_break() {
+                self.progress.stop();
+            }
+        };
+        on_threads(self.options.threads, || while_watched(Duration::from_millis(50), watch, work))?
     }
 
     /// Plans the sweep for an engine.

@@ -2,6 +2,7 @@
 
 use super::sweep_phase::MissingPhases;
 use super::{Error, SweepPhase};
+use crate::clock::Instant;
 use crate::control::{
     self, Arithmetic, AuditedInstance, ChunkJournal, ErrorSummary, JournaledRun, RunResult, SecondOrbits,
 };
@@ -9,7 +10,6 @@ use crate::engine::{Engine, EngineError, Progress};
 use crate::record::{self, Facts, FileFrame, LawWarnings, RecordVariables};
 use crate::scene::Scene;
 use crate::store::Results;
-use std::time::Instant;
 
 /// A finished sweep, with all its results in memory.
 #[derive(Clone, Debug)]

@@ -1,0 +1,5 @@
+// Types that the scripts share; uPlot itself is declared with its types.
+type Plot = import('./vendor/uplot/uPlot');
+type PlotOptions = import('./vendor/uplot/uPlot').Options;
+type PlotSeries = import('./vendor/uplot/uPlot').Series;
+interface Window { afmsweep: unknown }

@@ -1,0 +1,230 @@
+// The map over two quantities, filled from coarse to fine: its numbers and its cells.
+
+/** @typedef {{id: string, path: string, unit: string, words: string, values: number[], log: boolean}} MapAxis */
+/**
+ * @typedef {object} Chart
+ * @property {number} round
+ * @property {MapAxis} x
+ * @property {MapAxis} y
+ * @property {string} of
+ * @property {string} unit
+ * @property {(number | null)[]} value by row and column; NaN where it is not computed yet
+ * @property {(number | null)[]} error
+ * @property {number[]} status -1 where it is not computed yet
+ * @property {StatusWord[]} words
+ * @property {string[]} warnings
+ * @property {number} done rows
+ */
+
+const COLUMNS = 32,
+  ROWS = 24;
+/** Rows that are computed together, from coarse to fine. */
+const ROW_PIECES = [
+  [0, 8, 16, 23],
+  [4, 12, 20],
+  [2, 6, 10],
+  [14, 18, 22],
+  [1, 3, 5],
+  [7, 9, 11],
+  [13, 15, 17],
+  [19, 21],
+];
+
+/** What a map can show: words, and the unit. @type {Record<string, {words: string, unit: string}>} */
+const MAP_OBSERVABLES = {
+  amplitude: { words: 'Amplitude', unit: 'm' },
+  phase: { words: 'Phase lag', unit: 'degree' },
+  force_max: { words: 'Largest force', unit: 'N' },
+  force_min: { words: 'Smallest force', unit: 'N' },
+  indentation_max: { words: 'Largest indentation', unit: 'm' },
+  contact_time: { words: 'Share of time in contact', unit: '1' },
+  dissipation: { words: 'Energy lost per period', unit: 'J' },
+  gap: { words: 'Gap', unit: 'm' },
+};
+
+/** Viridis, whose lightness rises evenly: it reads without colours, too. */
+const VIRIDIS = ['440154', '482878', '3e4989', '31688e', '26828e', '1f9e89', '35b779', '6ece58', 'b5de2b', 'fde725'];
+
+/** @param {number} share @returns {[number, number, number]} */
+function viridis(share) {
+  const place = Math.min(1, Math.max(0, share)) * (VIRIDIS.length - 1);
+  const n = Math.min(VIRIDIS.length - 2, Math.floor(place));
+  const parts = (/** @type {string} */ hex) => [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16));
+  const [low, high] = [parts(VIRIDIS[n]), parts(VIRIDIS[n + 1])];
+  const mix = low.map((one, k) => Math.round(one + (high[k] - one) * (place - n)));
+  return [mix[0], mix[1], mix[2]];
+}
+
+/** @type {Chart | null} */
+let chart = null;
+/** The cell under the pointer or the keys. @type {{column: number, row: number} | null} */
+let mapCell = null;
+
+/** Quantities that an axis may be: those with a slider, and of the places held the one that is. */
+function mapQuantities() {
+  const held = HOLDS[state.hold].id;
+  return QUANTITIES.filter(
+    (one) =>
+      one.path !== '' &&
+      one.group !== 'Accuracy' &&
+      (!one.holds || one.id === held || one.id === 'd') &&
+      Number.isFinite(valueOf(one)),
+  );
+}
+
+/**
+ * The ends of an axis: the user's, or a range about the slider's first place.
+ * @param {Quantity} one @returns {[number, number]}
+ */
+function mapRange(one) {
+  if (state.map.ranges[one.id]) return state.map.ranges[one.id];
+  if (one.id === 'g') {
+    const free = freeAmplitude() ?? 20e-9;
+    return [Number((valueOf(quantity('near')) * free).toPrecision(3)), Number((1.05 * free).toPrecision(3))];
+  }
+  if (one.id === 's' && one.to < 1) return [0.3, 0.95];
+  if (!one.log) return rangeOf(one);
+  const middle = one.start > 0 ? one.start : valueOf(one) || Math.sqrt(one.from * one.to);
+  const round = (/** @type {number} */ value) => Number(value.toPrecision(2));
+  return [round(Math.max(one.from, middle / 10)), round(Math.min(one.to, middle * 10))];
+}
+
+/** @param {string} id @param {number} count @returns {MapAxis} */
+function mapAxis(id, count) {
+  const one = quantity(id);
+  const [from, to] = mapRange(one);
+  const log = one.log && from > 0 && to > 0;
+  const values = Array.from({ length: count }, (_, n) => {
+    const share = n / (count - 1);
+    const value = log ? from * (to / from) ** share : from + (to - from) * share;
+    return Number((n === 0 ? from : n === count - 1 ? to : value).toPrecision(6));
+  });
+  const relative = one.id === 'd' && one.unit === '1';
+  return {
+    id,
+    path: one.path,
+    words: one.words,
+    log,
+    unit: relative ? 'Hz' : one.unit,
+    values: relative ? values.map((value) => Number((value * leverFrequency()).toPrecision(9))) : values,
+  };
+}
+
+/** What was chosen, where it goes with how the place is held. */
+function mapChoice() {
+  const all = mapQuantities().map((one) => one.id);
+  const held = HOLDS[state.hold].id;
+  const swap = (/** @type {string} */ id) => (['g', 's', 'F'].includes(id) ? held : all.includes(id) ? id : all[0]);
+  const x = swap(state.map.x);
+  const y = swap(state.map.y);
+  const of = state.map.of === 'gap' && state.hold === 'gap' ? 'phase' : state.map.of;
+  return { x, y: y === x ? /** @type {string} */ (all.find((id) => id !== x)) : y, of };
+}
+
+/** @param {number} round @returns {Chart} */
+function emptyChart(round) {
+  const { x, y, of } = mapChoice();
+  const size = COLUMNS * ROWS;
+  return {
+    round,
+    of,
+    unit: MAP_OBSERVABLES[of].unit,
+    x: mapAxis(x, COLUMNS),
+    y: mapAxis(y, ROWS),
+    words: [],
+    warnings: [],
+    done: 0,
+    value: Array(size).fill(NaN),
+    error: Array(size).fill(null),
+    status: Array(size).fill(-1),
+  };
+}
+
+/** @param {Chart} here @param {number[]} rows @param {Answer} answer */
+function takeRows(here, rows, answer) {
+  rows.forEach((row, k) => {
+    for (let column = 0; column < COLUMNS; column++) {
+      const [from, to] = [k * COLUMNS + column, row * COLUMNS + column];
+      here.value[to] = answer.variables[here.of].data[from];
+      here.error[to] = answer.variables.error_estimate.data[from];
+      here.status[to] = answer.status[from];
+    }
+  });
+  here.words = answer.words;
+  here.done += rows.length;
+  here.warnings.push(...answer.warnings);
+}
+
+const MAP_MARGIN = { left: 58, right: 74, top: 8, bottom: 34 };
+
+/** @returns {{canvas: HTMLCanvasElement, width: number, height: number}} without the margins, in CSS pixels */
+function mapBox() {
+  const canvas = /** @type {HTMLCanvasElement} */ (element('map-canvas'));
+  const width = Math.max(200, canvas.clientWidth);
+  const height = Math.max(160, canvas.clientHeight);
+  return {
+    canvas,
+    width: width - MAP_MARGIN.left - MAP_MARGIN.right,
+    height: height - MAP_MARGIN.top - MAP_MARGIN.bottom,
+  };
+}
+
+/** The row whose numbers stand for a row, until its own are there. @param {Chart} here @param {number} row */
+function rowShown(here, row) {
+  for (let away = 0; away < ROWS; away++) {
+    for (const one of [row - away, row + away]) {
+      if (one >= 0 && one < ROWS && here.status[one * COLUMNS] >= 0) return one;
+    }
+  }
+  return -1;
+}
+
+/** @param {Chart} here @returns {[number, number] | null} */
+function mapEnds(here) {
+  const ok = here.value.filter((one, n) => here.status[n] === 0 && one !== null);
+  if (!ok.length) return null;
+  return [ok.reduce((a, b) => Math.min(a ?? 0, b ?? 0)) ?? 0, ok.reduce((a, b) => Math.max(a ?? 0, b ?? 0)) ?? 0];
+}
+
+function drawMap() {
+  if (!chart) return;
+  const here = chart;
+  const { canvas, width, height } = mapBox();
+  const ratio = devicePixelRatio;
+  canvas.width = Math.round((width + MAP_MARGIN.left + MAP_MARGIN.right) * ratio);
+  canvas.height = Math.round((height + MAP_MARGIN.top + MAP_MARGIN.bottom) * ratio);
+  const paint = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
+  paint.scale(ratio, ratio);
+  paint.translate(MAP_MARGIN.left, MAP_MARGIN.top);
+  const ends = mapEnds(here);
+  const [cellWidth, cellHeight] = [width / COLUMNS, height / ROWS];
+  const edge = (/** @type {number} */ place) => Math.round(place * ratio) / ratio;
+  for (let row = 0; row < ROWS; row++) {
+    const shown = rowShown(here, row);
+    if (shown < 0) continue;
+    for (let column = 0; column < COLUMNS; column++) {
+      const n = shown * COLUMNS + column;
+      const value = here.value[n];
+      // Whole pixels: cells have no seams.
+      const [x, y] = [edge(column * cellWidth), edge(height - (row + 1) * cellHeight)];
+      const [right, bottom] = [edge((column + 1) * cellWidth), edge(height - row * cellHeight)];
+      const ok = here.status[n] === 0 && value !== null && ends;
+      paint.fillStyle = ok
+        ? `rgb(${viridis((value - ends[0]) / (ends[1] - ends[0] || 1)).join(' ')})`
+        : colour('solid');
+      paint.fillRect(x, y, right - x, bottom - y);
+      if (ok) continue;
+      // A cell without a number that can be used has a stroke; a measured nothing has none.
+      paint.strokeStyle = colour(here.status[n] === 0 ? 'grid' : 'bad');
+      paint.lineWidth = 1;
+      paint.beginPath();
+      paint.moveTo(x + 1, bottom - 1);
+      paint.lineTo(right - 1, y + 1);
+      paint.stroke();
+    }
+  }
+  drawMapAxes(paint, here, width, height);
+  if (ends) drawColourBar(paint, here, ends, width, height);
+  drawMapCross(paint, here, width, height);
+  markOld('map', here.round !== rounds.map);
+}

@@ -1,0 +1,17 @@
+// The page's engine under Node: `node answers.mjs ENGINE.wasm.gz SCENE...` prints one line of JSON for each scene.
+import fs from 'node:fs';
+import zlib from 'node:zlib';
+
+const [engine, ...scenes] = process.argv.slice(2);
+const module = await WebAssembly.compile(zlib.gunzipSync(fs.readFileSync(engine)));
+const { exports } = await WebAssembly.instantiate(module, { page: { now: () => performance.now() } });
+
+for (const scene of scenes) {
+  const text = fs.readFileSync(scene);
+  const room = exports.room(text.length);
+  new Uint8Array(exports.memory.buffer, room, text.length).set(text);
+  const answer = exports.run(room, text.length, 0);
+  const length = new DataView(exports.memory.buffer).getUint32(answer, true);
+  console.log(Buffer.from(exports.memory.buffer, answer + 4, length).toString());
+  exports.give_back(answer);
+}

@@ -1,0 +1,150 @@
+"""The web page's engine against the program: the same scenes under Node and by the command.
+
+    python live_engine.py PROGRAM target/web/engine.wasm.gz [--rows N]
+
+Lists of random levers, samples, drives and gaps under each law, a followed curve both ways, set-points, second states, a map.
+The truth is the program's results file. Statuses must be equal; numbers agree to rounding: WebAssembly has no fused products,
+and its own sines and exponentials.
+"""
+
+import argparse
+import json
+import random
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+# Relative: a tenth of the accuracy that the scenes ask for, to which a search ends; and what nearly all cases meet.
+WORST, MOST = 1e-4, 1e-6
+MOST_SHARE = 0.95
+
+HEAD = """
+[instrument.actuator]
+model = "rigid"
+[instrument.tip]
+youngs_modulus = "130 GPa"
+poisson_ratio = 0.28
+[contact]
+law = "{law}"
+[drive]
+on = "tip"
+frequency = "resonance"
+free_amplitude = "20 nm"
+[run]
+steady = "search"
+{run}
+[output]
+observables = ["amplitude", "phase", "force_max", "indentation_max", "dissipation"{more}]
+"""
+LEVER = """
+[instrument.cantilever]
+stiffness = "26 N/m"
+frequency = "300 kHz"
+quality_factor = 400
+[sample]
+youngs_modulus = "2 GPa"
+surface_energy = "60 mJ/m^2"
+"""
+
+
+def rows(law, count, rng):
+    """A list of random cases."""
+    factor = lambda low, high: low * (high / low) ** rng.random()
+    text = lambda low, high, unit: [f'"{factor(low, high):.5g} {unit}"' for _ in range(count)]
+    lists = {
+        "instrument.cantilever.stiffness": text(0.5, 100, "N/m"),
+        "instrument.cantilever.frequency": text(20, 500, "kHz"),
+        "instrument.cantilever.quality_factor": [f"{factor(3, 800):.5g}" for _ in range(count)],
+        "instrument.tip.radius": text(2, 100, "nm"),
+        "sample.youngs_modulus": text(0.01, 130, "GPa"),
+        "sample.surface_energy": text(1, 200, "mJ/m^2"),
+    }
+    amplitudes = [factor(2, 80) for _ in range(count)]
+    lists["drive.free_amplitude"] = [f'"{one:.5g} nm"' for one in amplitudes]
+    lists["approach.gap"] = [f'"{one * rng.uniform(0.3, 1.05):.5g} nm"' for one in amplitudes]
+    told = "".join(f'"{path}" = [{", ".join(values)}]\n' for path, values in lists.items())
+    lever = LEVER.replace('surface_energy = "60 mJ/m^2"', "") if law == "hertz" else LEVER
+    if law == "hertz":
+        told = "".join(line for line in told.splitlines(True) if "surface_energy" not in line)
+    return lever + HEAD.format(law=law, run="", more="") + "[samples]\n" + told
+
+
+def scenes(count, rng):
+    for law in ["hertz", "dmt", "jkr"]:
+        yield f"{law}, random rows", rows(law, count, rng)
+    curve = '[curve]\nquantity = "approach.gap"\nfrom = "22 nm"\nto = "4 nm"\npoints = 49\ndirection = "both"\n'
+    for law in ["dmt", "jkr"]:
+        yield f"{law}, curve both ways", LEVER + HEAD.format(law=law, run="", more="") + curve
+    setpoint = '[approach]\nsetpoint = 0.8\n[sweep]\n"sample.youngs_modulus" = { from = "100 MPa", to = "10 GPa", points = 20, scale = "log" }\n'
+    yield "dmt, set-points", LEVER + HEAD.format(law="dmt", run="", more=', "gap"') + setpoint
+    both = '[sweep]\n"approach.gap" = { from = "21 nm", to = "15 nm", points = 25 }\n'
+    yield "dmt, both branches", LEVER + HEAD.format(law="dmt", run='branches = "both"', more="") + both
+    grid = '[sweep]\n"approach.gap" = { from = "5 nm", to = "21 nm", points = 32 }\n"sample.youngs_modulus" = { from = "50 MPa", to = "50 GPa", points = 24, scale = "log" }\n'
+    yield "dmt, map", LEVER + HEAD.format(law="dmt", run="", more="") + grid
+
+
+def scale(name, values):
+    """What an error counts on: radians for phases, else the largest number."""
+    return np.degrees(1) if name == "phase" else np.nanmax(np.abs(values), initial=1e-300)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("engine")
+    parser.add_argument("--rows", type=int, default=170, help="random cases for each law")
+    parser.add_argument("--seed", type=int, default=1)
+    args = parser.parse_args()
+    folder = Path(tempfile.mkdtemp())
+    cases = list(scenes(args.rows, random.Random(args.seed)))
+    files = []
+    for number, (_, text) in enumerate(cases):
+        files.append(folder / f"{number}.toml")
+        files[-1].write_text(text)
+        program = [args.program, "run", files[-1], "-q", "--backend", "cpu", "--precision", "f64", "-o", files[-1].with_suffix(".h5")]
+        subprocess.run(program, check=True)
+    node = Path(__file__).parents[2] / "crates/web/test/answers.mjs"
+    answers = subprocess.run(["node", node, args.engine, *files], check=True, capture_output=True, text=True)
+    wrong, seen = [], 0
+    print("scene, instances, equal bits of amplitude; median, 95th percentile, largest difference")
+    for (name, _), file, line in zip(cases, files, answers.stdout.splitlines(), strict=True):
+        page = json.loads(line)
+        if "error" in page:
+            wrong.append(f"{name}: {page['error']}")
+            continue
+        with h5py.File(file.with_suffix(".h5")) as results:
+            status = results["status"][...].ravel()
+            ours = np.array(page["status"])
+            seen += status.size
+            if not np.array_equal(status, ours):
+                wrong.append(f"{name}: statuses differ at {np.flatnonzero(status != ours)[:5]}")
+            told = []
+            # Without hysteresis what is lost is rounding alone.
+            lost = ["dissipation"] if name.startswith("jkr") else []
+            for variable in ["amplitude", "phase", "force_max", "indentation_max", *lost]:
+                truth = results[variable][...].ravel()
+                found = np.array(page["variables"][variable]["data"], dtype=float)
+                ok = (status == 0) & (ours == 0)
+                if not np.array_equal(np.isnan(truth[ok]), np.isnan(found[ok])):
+                    wrong.append(f"{name}: {variable} is no number in one alone")
+                # Each on its own size, but what is next to nothing on the scene's.
+                size = np.maximum(np.abs(truth[ok]), 1e-3 * scale(variable, truth[ok]))
+                off = np.nan_to_num(np.abs(found[ok] - truth[ok]) / size)
+                most, worst = np.quantile(off, MOST_SHARE), off.max()
+                told.append(f"{variable} {np.median(off):.0e} {most:.0e} {worst:.0e}")
+                if worst > WORST or most > MOST and status.size > 50:
+                    wrong.append(f"{name}: {variable} is off by {worst:.1e}, 5 % by more than {most:.1e}")
+            same = np.count_nonzero(results["amplitude"][...].ravel() == np.array(page["variables"]["amplitude"]["data"], dtype=float))
+            print(f"{name}: {status.size}, {same}; {', '.join(told)}; {np.count_nonzero(status)} not ok")
+    print(f"{seen} instances")
+    for line in wrong:
+        print("WRONG:", line)
+    sys.exit(bool(wrong) or seen < 3 * args.rows)
+
+
+if __name__ == "__main__":
+    main()
