@@ -5,12 +5,10 @@ cd "$(dirname "$0")/.."
 
 target=wasm32-unknown-unknown
 profile=${PROFILE:-web}
-if [ ! -d "$(rustc --print sysroot)/lib/rustlib/$target" ]; then
-    rustup target add "$target" || {
-        echo "Rust's library for $target is missing: install it (rustup target add $target)" >&2
-        exit 1
-    }
-fi
+tools/wasm_target.sh || {
+    echo "Rust's library for $target is missing: install it (rustup target add $target)" >&2
+    exit 1
+}
 # As a library for Rust as well it would be linked without the optimization between crates, a quarter larger.
 cargo rustc -p afmsweep-web --lib --target "$target" --profile "$profile" --crate-type cdylib
 built=${CARGO_TARGET_DIR:-target}/$target/$([ "$profile" = dev ] && echo debug || echo "$profile")/afmsweep_web.wasm

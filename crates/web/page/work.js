@@ -20,7 +20,7 @@ let detailTimer;
 let mapAsked = false;
 
 const POINTS = 49;
-/** Every so manieth gap comes first. */
+/** The gaps that come first: one of so many. */
 const COARSE = 6;
 /** Changes that follow each other so quickly are one drag, ms. */
 const DRAG = 150;
