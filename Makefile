@@ -50,9 +50,8 @@ live: deps
 	$(PROGRAM) live -o results/live.html
 
 live-check: deps $(PYTHON)
-	cargo build $(FEATURES)
 	tools/live.sh
-	tools/live_check.sh
+	tools/live_check.sh $(FEATURES)
 
 build: deps
 	cargo build --release $(FEATURES)

@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
 # Tries the web page: its engine's numbers against the program's, the types of its scripts, the page itself in Chromium.
-# The program and target/web/engine.wasm.gz are there. Needs node, npm and Chromium, which it installs where it may.
+# target/web/engine.wasm.gz is there. Needs node, npm and Chromium, which it installs where it may. Arguments go to cargo.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tools/apt.sh
 program=${CARGO_TARGET_DIR:-target}/debug/afmsweep
 engine=target/web/engine.wasm.gz
+# The program beside the test, as tools/python_check.sh has it: no library is compiled twice.
+cargo test "$@" --test all --no-run
 
 missing=()
 command -v npm >/dev/null || missing+=(nodejs npm)
