@@ -22,7 +22,8 @@
 //! # Features
 //!
 //! `cli` (default; the program) needs all others: `gpu` (the GPU engine), `hdf5` (results files), `report` (pictures and
-//! pages). With `default-features = false` there is what computes, on the CPU and in memory.
+//! pages). `live` puts the engine of `afmsweep live` into the program; `make live` builds that engine first. With
+//! `default-features = false` there is what computes, on the CPU and in memory.
 //!
 //! # Limits
 //!

@@ -99,7 +99,8 @@ def main():
     parser.add_argument("--rows", type=int, default=170, help="random cases for each law")
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
-    folder = Path(tempfile.mkdtemp())
+    kept = tempfile.TemporaryDirectory()
+    folder = Path(kept.name)
     cases = list(scenes(args.rows, random.Random(args.seed)))
     files = []
     for number, (_, text) in enumerate(cases):

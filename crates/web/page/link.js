@@ -25,9 +25,18 @@ function hashToState(hash) {
     .split('&')
     .filter((one) => one !== '')) {
     const [key, value = ''] = part.split('=');
-    if (!takeWord(key, decodeURIComponent(value))) unknown.push(part);
+    if (!takeWord(key, decoded(value))) unknown.push(part);
   }
   return unknown;
+}
+
+/** A text that is no valid encoding stays as it is. @param {string} text */
+function decoded(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
 }
 
 /** @param {string} key @param {string} value @returns {boolean} whether it was understood */

@@ -18,34 +18,12 @@
 
 const CANTILEVER = 'instrument.cantilever';
 
-/** What a scene without these has. @type {Record<string, unknown>} */
-const DEFAULTS = {
-  'instrument.tip.radius': '30 nm',
-  'instrument.tip.half_angle': '20 deg',
-  'instrument.cantilever.length': '174 um',
-  'instrument.cantilever.thickness': '6.9 um',
-  'instrument.cantilever.quality_factor': Infinity,
-  'sample.youngs_modulus': '100 kPa',
-  'sample.poisson_ratio': 0.5,
-  'sample.surface_energy': '2 mJ/m^2',
-  'sample.loss_tangent': 0,
-  'drive.frequency': '30 kHz',
-  'drive.voltage': '15 V',
-  'run.accuracy': 1e-3,
-};
-
-const givenPreset = START.levers.find((one) => one.preset === at(START.base, 'instrument.preset'));
-
-/** What the scene given says of a path. @param {string} path @param {string} unit @returns {number | null} */
+/**
+ * What the scene given says of a path. It has every value but a loss that is none.
+ * @param {string} path @param {string} unit @returns {number | null}
+ */
 function given(path, unit) {
-  const preset =
-    givenPreset &&
-    /** @type {Record<string, number>} */ ({
-      'instrument.cantilever.stiffness': givenPreset.stiffness,
-      'instrument.cantilever.frequency': givenPreset.frequency,
-      'instrument.tip.radius': givenPreset.radius,
-    })[path];
-  return parseQuantity(at(START.base, path) ?? preset ?? DEFAULTS[path], unit);
+  return parseQuantity(at(START.base, path) ?? (path === 'sample.loss_tangent' ? 0 : undefined), unit);
 }
 
 /** @type {Quantity[]} */
@@ -84,7 +62,7 @@ function addQuantity(group, id, path, words, unit, from, to, how = {}) {
 const has = (path) => at(START.base, path) !== undefined;
 
 const leverModes = /** @type {Table[]} */ (at(START.base, `${CANTILEVER}.modes`) ?? []);
-const calibrated = leverModes.length > 0 || has(`${CANTILEVER}.stiffness`) || givenPreset !== undefined;
+const calibrated = leverModes.length > 0 || has(`${CANTILEVER}.stiffness`);
 
 /** The path of the first mode's natural frequency, where the scene tells it. */
 const leverFrequencyPath = !calibrated

@@ -4,7 +4,7 @@
 /**
  * What the library exports.
  * @typedef {{memory: WebAssembly.Memory, room: (length: number) => number, give_back: (answer: number) => void,
- *   run: (text: number, length: number, audited: number) => number}} Library
+ *   run: (text: number, length: number) => number}} Library
  */
 /** @type {Library} */
 let engine;
@@ -20,7 +20,7 @@ function run(toml) {
   const text = new TextEncoder().encode(toml);
   const room = engine.room(text.length);
   new Uint8Array(engine.memory.buffer, room, text.length).set(text);
-  const told = engine.run(room, text.length, 0);
+  const told = engine.run(room, text.length);
   const length = new DataView(engine.memory.buffer).getUint32(told, true);
   const answer = new TextDecoder().decode(new Uint8Array(engine.memory.buffer, told + 4, length));
   engine.give_back(told);
@@ -40,7 +40,7 @@ function packed(answer) {
       buffers.push(numbers.buffer);
       return numbers;
     });
-  for (const name of ['time', 'tip_travel', 'indentation', 'force']) {
+  for (const name of ['time', 'tip_travel', 'force']) {
     if (answer.waveforms) answer.waveforms[name] = pack(answer.waveforms[name]);
   }
   return buffers;

@@ -13,22 +13,20 @@ use std::path::Path;
 
 /// The results of a scene as a JSON object, or `{"error": why}`. Numbers are in SI units and f64, `null` for what is no number.
 ///
-/// `axes`, `variables`, `status` (codes), `words` (of the codes: one word, and what it means), `steps_per_period`, `flags`,
-/// `waveforms`, `other_branch` are those of the results file; `warnings` are messages, `steps` the instance-steps taken.
-/// The engine is that of the CPU, in f64. `audited` instances are computed again by the reference engine.
-pub fn answer(scene: &str, audited: u32) -> String {
-    let told = match outcome(scene, audited) {
+/// `axes`, `variables`, `status` (codes), `words` (of the codes: one word, and what it means), `flags` and `waveforms` are those
+/// of the results file; `warnings` are messages. The engine is that of the CPU, in f64; nothing is audited.
+pub fn answer(scene: &str) -> String {
+    let told = match outcome(scene) {
         Ok(outcome) => results(&outcome),
         Err(why) => json!({ "error": why }),
     };
     told.to_string()
 }
 
-fn outcome(scene: &str, audited: u32) -> Result<SweepOutcome, String> {
+fn outcome(scene: &str) -> Result<SweepOutcome, String> {
     let scene = Scene::parse(Path::new("scene.toml"), scene).map_err(|error| error.to_string())?;
-    let audit = if audited == 0 { Audit::None } else { Audit::Instances(audited) };
     let sweep = Sweep::new(scene).backend(Backend::Cpu).precision(Some(Precision::F64));
-    sweep.audit(audit).run().map_err(|error| error.to_string())
+    sweep.audit(Audit::None).run().map_err(|error| error.to_string())
 }
 
 fn results(outcome: &SweepOutcome) -> Value {
@@ -36,20 +34,12 @@ fn results(outcome: &SweepOutcome) -> Value {
     let words = |status: &Status| json!({ "word": status.meaning(), "reason": status.reason() });
     json!({
         "axes": results.axes.iter().map(axis).collect::<Vec<_>>(),
-        "list": results.list,
         "variables": variables(&results.variables),
         "status": results.status,
         "words": Status::ALL.iter().map(words).collect::<Vec<_>>(),
-        "steps_per_period": results.steps_per_period,
         "flags": flags(&results.flags),
         "waveforms": waveforms(results),
-        "other_branch": results.other_branch.as_ref().map(|other| json!({
-            "variables": variables(&other.variables),
-            "status": other.status,
-            "flags": flags(&other.flags),
-        })),
         "warnings": outcome.warnings,
-        "steps": outcome.steps_taken,
     })
 }
 
@@ -82,10 +72,8 @@ fn flags(all: &[Flags]) -> Value {
 fn waveforms(results: &Results) -> Value {
     results.waveforms.as_ref().map_or(Value::Null, |waves| {
         json!({
-            "instances": waves.instances,
             "time": waves.time,
             "tip_travel": waves.tip_travel,
-            "indentation": waves.indentation,
             "force": waves.force,
         })
     })

@@ -10,7 +10,7 @@ for (const scene of scenes) {
   const text = fs.readFileSync(scene);
   const room = exports.room(text.length);
   new Uint8Array(exports.memory.buffer, room, text.length).set(text);
-  const answer = exports.run(room, text.length, 0);
+  const answer = exports.run(room, text.length);
   const length = new DataView(exports.memory.buffer).getUint32(answer, true);
   console.log(Buffer.from(exports.memory.buffer, answer + 4, length).toString());
   exports.give_back(answer);

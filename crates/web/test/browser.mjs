@@ -185,12 +185,12 @@ check(
   hash,
 );
 await other.evaluate(() => {
-  location.hash = '#law=hertz&nonsense=3';
+  location.hash = '#law=hertz&nonsense=3&way=%E0%';
 });
 await other.waitForTimeout(50);
 await other.evaluate(() => window.afmsweep.idle());
 check('a changed link changes the page', (await other.inputValue('#law')) === 'hertz');
-check('words of a link that are not known are told', /nonsense/.test(await other.textContent('#note')));
+check('words of a link that are not known are told', /nonsense=3, way=%E0%/.test(await other.textContent('#note')));
 await other.close();
 
 // The scene.
