@@ -4,6 +4,7 @@
 use super::Failure;
 use naga::back::spv;
 use naga::front::wgsl;
+use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// Words before the first instruction.
@@ -14,14 +15,19 @@ const NO_CONTRACTION: u32 = 42;
 /// FNegate, FAdd, FSub, FMul, FDiv, VectorTimesScalar.
 const ARITHMETIC: [u32; 6] = [127, 129, 131, 133, 136, 142];
 
-/// Compiles the text and decorates every result of float arithmetic with `NoContraction`.
-pub(super) fn compile(text: &str) -> Result<Vec<u32>, Failure> {
+/// Compiles the text and decorates every result of float arithmetic with `NoContraction`. An index that is `checked` stays within
+/// its array, whatever the text says.
+pub(super) fn compile(text: &str, checked: bool) -> Result<Vec<u32>, Failure> {
     let refused = |why: String| Failure::Refused(why);
     let module = wgsl::parse_str(text).map_err(|error| refused(error.emit_to_string(text)))?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::FLOAT64)
         .validate(&module)
         .map_err(|error| refused(error.emit_to_string(text)))?;
-    let options = spv::Options { flags: spv::WriterFlags::empty(), ..spv::Options::default() };
+    let policy = if checked { BoundsCheckPolicy::Restrict } else { BoundsCheckPolicy::Unchecked };
+    let bounds_check_policies =
+        BoundsCheckPolicies { index: policy, buffer: policy, image_load: policy, binding_array: policy };
+    let options =
+        spv::Options { flags: spv::WriterFlags::empty(), bounds_check_policies, ..spv::Options::default() };
     let words = spv::write_vec(&module, &info, &options, None).map_err(|error| refused(error.to_string()))?;
     Ok(decorated(&words))
 }
@@ -59,7 +65,7 @@ mod tests {
                 a[0] = a[1] * a[2] + a[3] - a[4] / -a[5];
                 a[1] = both.x;
             }";
-        let words = compile(text).unwrap();
+        let words = compile(text, false).unwrap();
         let (mut results, mut targets, mut at) = (Vec::new(), Vec::new(), HEADER);
         while at < words.len() {
             match words[at] & 0xffff {
