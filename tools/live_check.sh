@@ -22,9 +22,16 @@ fi
 mkdir -p target/web/test
 cp crates/web/test/package.json target/web/test/
 npm install --prefix target/web/test --no-package-lock --no-audit --no-fund --silent
-for config in tsconfig tsconfig.worker; do
-    target/web/test/node_modules/.bin/tsc --project "crates/web/page/$config.json"
+for config in page/tsconfig page/tsconfig.worker explore/tsconfig; do
+    target/web/test/node_modules/.bin/tsc --project "crates/web/$config.json"
 done
 "$program" live --engine "$engine" -o target/web/live.html
 gunzip -c "$engine" >target/web/engine.wasm
-NODE_PATH=$PWD/target/web/test/node_modules node crates/web/test/browser.mjs target/web/live.html target/web/engine.wasm
+export NODE_PATH=$PWD/target/web/test/node_modules
+node crates/web/test/browser.mjs target/web/live.html target/web/engine.wasm
+# Pages of results: a grid and a list.
+for scene in quickstart samples; do
+    "$program" -q run "scenes/$scene.toml" -o "target/web/$scene.h5" --overwrite
+    "$program" -q report "target/web/$scene.h5" --engine "$engine"
+done
+node crates/web/test/explore.mjs target/web/quickstart/explore.html target/web/samples/explore.html

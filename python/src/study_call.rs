@@ -131,7 +131,7 @@ pub struct ReportView {
 #[pyfunction]
 pub fn report(py: Python<'_>, file: PathBuf, output: Option<PathBuf>, view: ReportView) -> PyResult<PathBuf> {
     let ReportView { x, y, curves, at, below, above, branch } = view;
-    let wish = ViewRequest { x, y, curves, at, below, above, branch };
+    let wish = ViewRequest { x, y, curves, at, below, above, branch, engine: None };
     let write = || pages::write(&file, output.as_deref(), &wish);
     let written = py.detach(|| on_own_threads(None, write))?;
     written.map(|report| report.folder.join("index.html")).map_err(|error| failed(&error.to_string()))

@@ -42,20 +42,12 @@ pub fn main(args: &LiveArgs, voice: Verbosity) -> anyhow::Result<()> {
         Some(path) => load(path)?,
         None => Scene::parse(Path::new("begin.toml"), include_str!("../../crates/web/page/begin.toml"))?,
     };
-    let engine = match (&args.engine, BUILT_IN) {
-        (Some(path), _) => std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?,
-        (None, Some(engine)) => engine.to_vec(),
-        (None, None) => bail!(
+    let Some(engine) = engine(args.engine.as_deref())? else {
+        bail!(
             "this program has no engine for pages in it: run `make live` in the project's folder, which builds one, \
              or name its file by --engine"
-        ),
+        )
     };
-    if let Some(path) = args.engine.as_ref().filter(|_| !engine.starts_with(&GZIP)) {
-        bail!(
-            "{} is no engine for pages: expected the file engine.wasm.gz that `make live` builds",
-            path.display()
-        );
-    }
     let page = live_page(&start(&scene)?, &engine);
     std::fs::write(&args.output, &page).with_context(|| format!("cannot write {}", args.output.display()))?;
     if args.scene.is_some() && scene.len() > 1 {
@@ -66,8 +58,21 @@ pub fn main(args: &LiveArgs, voice: Verbosity) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The engine in that file, or the one in this program; none where there is neither.
+pub(super) fn engine(file: Option<&Path>) -> anyhow::Result<Option<Vec<u8>>> {
+    let Some(path) = file else { return Ok(BUILT_IN.map(<[u8]>::to_vec)) };
+    let engine = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    if !engine.starts_with(&GZIP) {
+        bail!(
+            "{} is no engine for pages: expected the file engine.wasm.gz that `make live` builds",
+            path.display()
+        );
+    }
+    Ok(Some(engine))
+}
+
 /// What the page begins with.
-fn start(scene: &Scene) -> anyhow::Result<Value> {
+pub(super) fn start(scene: &Scene) -> anyhow::Result<Value> {
     let mut first = scene.clone();
     (first.base, first.sweep) = (scene.instance(0), SweptAxes::default());
     let resolved: toml::Table = first.resolved_toml().parse().context("the scene with every value")?;

@@ -1,8 +1,10 @@
 //! `afmsweep report`: pictures and tables from a results file.
 
-use super::{Verbosity, print_json};
-use afmsweep::report::{self, ViewRequest};
-use std::path::PathBuf;
+use super::{Verbosity, live, print_json};
+use afmsweep::Scene;
+use afmsweep::report::{self, PageEngine, ViewRequest};
+use afmsweep::store::scene_of;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 #[command(after_help = "Examples: afmsweep report results/lever.h5\n          \
@@ -35,6 +37,9 @@ pub struct ReportArgs {
     /// The states of one branch alone, the second ones among them: attractive or repulsive
     #[arg(long, value_name = "BRANCH")]
     branch: Option<String>,
+    /// Lets explore.html compute cases between the rows: the engine that `make live` builds [default: the one in this program]
+    #[arg(long, value_name = "FILE")]
+    engine: Option<PathBuf>,
     /// What was drawn as one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -46,6 +51,19 @@ fn place(text: &str) -> Result<(String, String), String> {
     Ok((path.trim().to_owned(), value.trim().to_owned()))
 }
 
+/// What explore.html computes with. Results whose scene cannot be made again have a page without it.
+fn page_engine(args: &ReportArgs, voice: Verbosity) -> anyhow::Result<Option<PageEngine>> {
+    let Some(library) = live::engine(args.engine.as_deref())? else { return Ok(None) };
+    let begun = |file: &Path| live::start(&Scene::parse(file, &scene_of(file)?)?);
+    match begun(&args.file) {
+        Ok(start) => Ok(Some(PageEngine { start, library })),
+        Err(why) => {
+            voice.say(format_args!("note: the page computes nothing by itself: {why:#}"));
+            Ok(None)
+        }
+    }
+}
+
 pub fn main(args: &ReportArgs, voice: Verbosity) -> anyhow::Result<()> {
     let wish = ViewRequest {
         x: args.x.clone(),
@@ -55,6 +73,7 @@ pub fn main(args: &ReportArgs, voice: Verbosity) -> anyhow::Result<()> {
         below: args.below.clone(),
         above: args.above.clone(),
         branch: args.branch.clone(),
+        engine: page_engine(args, voice)?,
     };
     let report = report::write(&args.file, args.output.as_deref(), &wish)?;
     let page = report.folder.join("index.html");
@@ -63,6 +82,7 @@ pub fn main(args: &ReportArgs, voice: Verbosity) -> anyhow::Result<()> {
         print_json(&serde_json::json!({
             "version": 1,
             "page": page.to_string_lossy(),
+            "explore": report.explore,
             "findings": report.findings,
             "kept": report.kept,
             "pictures": report.pictures,

@@ -52,3 +52,55 @@ fn what_is_missing_is_told() {
         assert!(!desk.path("live.html").exists());
     }
 }
+
+/// A stiff lever on a soft sample, free of what varies.
+const LEVER: &str = "[instrument.cantilever]\nstiffness = \"26 N/m\"\nfrequency = \"300 kHz\"\nquality_factor = 100\n\
+    [drive]\non = \"tip\"\nfrequency = \"resonance\"\nfree_amplitude = \"20 nm\"\n\
+    [contact]\nlaw = \"hertz\"\n[run]\nsteady = \"search\"\naccuracy = 1e-2\n";
+
+/// Of each kind of sweep. Truth: the scene; the page's numbers are compared with the results in crates/report.
+#[test]
+fn lists_and_grids_of_three_axes_have_a_page_that_turns_them_about() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("engine.wasm.gz"), [0x1f, 0x8b, 1, 2, 3]).unwrap();
+    let gap = "\"approach.gap\" = { values = [\"16 nm\", \"18 nm\"] }\n";
+    let modulus = "\"sample.youngs_modulus\" = { values = [\"1 GPa\", \"2 GPa\", \"3 GPa\"] }\n";
+    let radius = "\"instrument.tip.radius\" = { values = [\"10 nm\", \"20 nm\"] }\n";
+    let rows = "[samples]\n\"sample.youngs_modulus\" = [\"1 GPa\", \"2 GPa\", \"3 GPa\", \"4 GPa\"]\n";
+    let curve = "[curve]\nquantity = \"approach.gap\"\nfrom = \"21 nm\"\nto = \"16 nm\"\npoints = 3\ndirection = \"both\"\n";
+    for (name, sweep, count, axes) in [
+        ("grid", format!("[sweep]\n{gap}{modulus}{radius}"), 12, 3),
+        ("curve", format!("[sweep]\n{modulus}{curve}"), 18, 3),
+        ("list", format!("[approach]\ngap = \"16 nm\"\n{rows}"), 4, 1),
+        ("map", format!("[sweep]\n{gap}{modulus}"), 6, 2),
+    ] {
+        let path = desk.write(&format!("{name}.toml"), &format!("{LEVER}{sweep}"));
+        desk.run(&path, &[]);
+        let file = format!("results/{name}.h5");
+        let told = |arguments: &[&str]| -> Value {
+            let all = [&["report", file.as_str(), "--json", "-q"], arguments].concat();
+            serde_json::from_str(&desk.works(&all).out).unwrap()
+        };
+        let page = |place: &str| std::fs::read_to_string(desk.path(&format!("results/{name}/{place}")));
+        let wanted = name != "map";
+        assert_eq!(told(&[])["explore"], if wanted { "explore.html".into() } else { Value::Null }, "{name}");
+        assert_eq!(page("index.html").unwrap().contains("href=\"explore.html\""), wanted, "{name}");
+        if !wanted {
+            assert!(page("explore.html").is_err());
+            continue;
+        }
+        let plain = start(&page("explore.html").unwrap());
+        assert_eq!((plain["count"].as_u64(), &plain["live"]), (Some(count), &Value::Null), "{name}");
+        assert_eq!(plain["axes"].as_array().unwrap().len(), axes, "{name}");
+        told(&["--engine", "engine.wasm.gz"]);
+        let with_engine = page("explore.html").unwrap();
+        assert!(with_engine.contains("H4sBAgM="), "{name}: the engine is not in it");
+        let base = start(&with_engine)["live"]["base"].clone();
+        assert_eq!(base["contact"]["law"], "hertz", "{name}");
+        assert!(base.get("sweep").is_none() && base.get("curve").is_none(), "{name}: {base}");
+    }
+    desk.refuses(
+        &["report", "results/grid.h5", "--engine", "grid.toml"],
+        &["grid.toml is no engine for pages"],
+    );
+}

@@ -13,6 +13,7 @@ mod curve_forces;
 mod curve_picture;
 mod document;
 mod error_floor;
+mod explore_page;
 mod force_curve;
 mod frame;
 mod harmonics;
@@ -44,7 +45,7 @@ pub use heatmap::{Heatmap, Panel};
 pub use labels::capital;
 pub use live_page::live_page;
 pub use quantity_text::shown;
-pub use view_request::ViewRequest;
+pub use view_request::{PageEngine, ViewRequest};
 
 use afmsweep_data::{observe, reconstruction, stats, store, suggestion, units};
 use std::fs;
@@ -54,6 +55,9 @@ use store::{Results, StoreError, read};
 
 /// Found in the page of every report: such a folder may be written again.
 const MARKER: &str = "afmsweep report";
+
+/// The page that turns results about.
+const EXPLORE: &str = "explore.html";
 
 /// Path of the axis of samples.
 const SAMPLES: &str = "samples";
@@ -88,6 +92,8 @@ pub struct Report {
     pub folder: PathBuf,
     /// The pictures, in the order of the page.
     pub pictures: Vec<Pictured>,
+    /// The file in the folder that turns the results about, where there is one.
+    pub explore: Option<String>,
     /// What was not drawn, a sentence each.
     pub left_out: Vec<String>,
     /// What came out, and how good it is, in two sentences.
@@ -129,7 +135,7 @@ pub struct Pictured {
 }
 
 /// Writes `index.html`, `report.md`, the pictures of a results file and their numbers into a folder. The wish says which
-/// axes the pictures have.
+/// axes the pictures have. Of a list, and of a grid of three axes or more, there is `explore.html` too.
 ///
 /// Without `output` the folder is the file's name without its ending. A folder that holds anything else
 /// than an earlier report is left alone.
@@ -144,7 +150,7 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &ViewRequest) -> Result<R
         Some(branch) => branch_states::chosen(read(file)?, branch)?,
     };
     let (results, limited) = limits::applied(ways_named(samples_as_list(results)), wish)?;
-    let drawn = pictures::all(&results, wish)?;
+    let mut drawn = pictures::all(&results, wish)?;
     let fixed = if results.list { Vec::new() } else { view_request::fixed(&results, wish)? };
     let slice = (!fixed.is_empty()).then(|| page_summary::of_shown(&results, &fixed));
     let looked_at = slice.as_ref().unwrap_or(&results);
@@ -153,9 +159,16 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &ViewRequest) -> Result<R
         false => (None, None),
     };
     let findings = page_summary::all(looked_at, &fixed, sentence);
-    let page = ("index.html".to_owned(), page::html(&results, file, (&drawn, &findings)));
+    let turned = explore_page::is_wanted(&results).then(|| {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        explore_page::explore_page(&results, (&page::heading(&results, file), &name), wish.engine.as_ref())
+    });
+    let turned = turned.and_then(|page| page.map_err(|why| drawn.left_out.push(why)).ok());
+    let page = ("index.html".to_owned(), page::html(&results, file, (&drawn, &findings, turned.is_some())));
     let text = ("report.md".to_owned(), page::markdown(&results, file, (&drawn, &findings)));
     let mut files = vec![page, text];
+    let explore = turned.as_ref().map(|_| EXPLORE.to_owned());
+    files.extend(turned.map(|page| (EXPLORE.to_owned(), page)));
     let mut pictures = Vec::new();
     for picture in drawn.pictures {
         let csv = picture.csv.as_ref().map(|_| format!("{}.csv", picture.name));
@@ -164,7 +177,7 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &ViewRequest) -> Result<R
         files.extend(csv.zip(picture.csv));
     }
     save(&folder, MARKER, &files)?;
-    Ok(Report { folder, pictures, left_out: drawn.left_out, findings, kept })
+    Ok(Report { folder, pictures, explore, left_out: drawn.left_out, findings, kept })
 }
 
 /// The ways along a curve over the gap are approach and retraction.

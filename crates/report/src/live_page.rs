@@ -4,15 +4,18 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
+/// A file of the live page.
 macro_rules! page_file {
     ($name:literal) => {
         include_str!(concat!("../../web/page/", $name))
     };
 }
+pub(super) use page_file;
 
 /// The page's own scripts, which share one scope; each needs only those before it to be read.
 const SCRIPTS: &[&str] = &[
     page_file!("units.js"),
+    page_file!("toml.js"),
     page_file!("scene.js"),
     page_file!("quantities.js"),
     page_file!("state.js"),
@@ -22,6 +25,7 @@ const SCRIPTS: &[&str] = &[
     page_file!("curve.js"),
     page_file!("curveview.js"),
     page_file!("motion.js"),
+    page_file!("viridis.js"),
     page_file!("map.js"),
     page_file!("mapview.js"),
     page_file!("controls.js"),
@@ -37,21 +41,25 @@ const SCRIPTS: &[&str] = &[
 /// The page that begins with `start`: its `title`, the `base` scene, and makers' `levers` (crates/web/page/scene.js reads them).
 /// `engine` is the library for WebAssembly, packed by gzip.
 pub fn live_page(start: &Value, engine: &[u8]) -> String {
+    let parts = [("/*ENGINE*/", STANDARD.encode(engine)), ("/*WORKER*/", WORKER.to_owned())];
+    assembled(page_file!("page.html"), SCRIPTS, start, &parts)
+}
+
+/// The script of the workers that the engine runs in.
+pub(super) const WORKER: &str = page_file!("worker.js");
+
+/// A page of one file: the frame with the style, the scripts, what it starts with and other parts in the places of their marks.
+pub(super) fn assembled(frame: &str, scripts: &[&str], start: &Value, more: &[(&str, String)]) -> String {
     let style = [page_file!("page.css"), page_file!("vendor/uplot/uPlot.min.css")].concat();
     let plots = page_file!("vendor/uplot/uPlot.iife.min.js");
-    let scripts = format!("{plots}\n(() => {{\n'use strict';\n{}\n}})();", SCRIPTS.join("\n"));
+    let scripts = format!("{plots}\n(() => {{\n'use strict';\n{}\n}})();", scripts.join("\n"));
     // No text of a scene may end the element that it stands in.
     let start = start.to_string().replace('<', "\\u003c");
-    let parts = [
-        ("/*STYLE*/", style),
-        ("/*SCRIPTS*/", scripts),
-        ("/*WORKER*/", page_file!("worker.js").to_owned()),
-        ("/*START*/", start),
-        ("/*ENGINE*/", STANDARD.encode(engine)),
-    ];
+    let own = [("/*STYLE*/", style), ("/*SCRIPTS*/", scripts), ("/*START*/", start)];
+    let parts: Vec<&(&str, String)> = own.iter().chain(more).collect();
     // From piece to piece: what was put in is not looked through again.
     let mut page = String::new();
-    let mut rest = page_file!("page.html");
+    let mut rest = frame;
     while let Some((at, (mark, text))) =
         parts.iter().filter_map(|part| Some((rest.find(part.0)?, part))).min_by_key(|(at, _)| *at)
     {

@@ -5,7 +5,7 @@ use super::labels::capital;
 use super::labels::is_long;
 use super::picture::{Picture, PictureKind};
 use super::pictures::DrawnPicture;
-use super::{MARKER, hover, tables};
+use super::{EXPLORE, MARKER, hover, tables};
 use crate::store::{Attribute, Results};
 use std::fmt::Write;
 use std::path::Path;
@@ -19,7 +19,7 @@ const MOST_TEXT: usize = 20_000;
 const SPECTRA: &str = "Spectra";
 
 /// The title of the page.
-fn heading(results: &Results, file: &Path) -> String {
+pub(super) fn heading(results: &Results, file: &Path) -> String {
     match results.title.trim() {
         "" => file.file_name().map_or_else(|| "Results".into(), |name| name.to_string_lossy().into_owned()),
         title => title.to_owned(),
@@ -59,11 +59,17 @@ fn cut(text: &str) -> String {
 pub(super) fn html(
     results: &Results,
     file: &Path,
-    (DrawnPicture { pictures, left_out }, findings): (&DrawnPicture, &[String]),
+    (DrawnPicture { pictures, left_out }, findings, explore): (&DrawnPicture, &[String], bool),
 ) -> String {
     let mut page = document::open(&heading(results, file), MARKER);
     // Writing to a String cannot fail.
     let _ = writeln!(page, "<p>From <code>{}</code>.</p>", escape(&file.display().to_string()));
+    if explore {
+        let _ = writeln!(
+            page,
+            "<p><a href=\"{EXPLORE}\">{EXPLORE}</a> turns the results about: sliders, maps, curves, brushes.</p>"
+        );
+    }
     for line in findings {
         let _ = writeln!(page, "<p class=\"finding\">{}</p>", escape(line));
     }

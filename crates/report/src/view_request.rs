@@ -18,6 +18,15 @@ const MOST_CURVES: usize = 9;
 pub(super) const DIRECTION: &str = "direction";
 const WAYS: [&str; 2] = ["forward", "backward"];
 
+/// What a page needs to compute cases by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PageEngine {
+    /// The scene that the cases are made of, as an object with `title` and `base`.
+    pub start: serde_json::Value,
+    /// The library for WebAssembly, packed by gzip.
+    pub library: Vec<u8>,
+}
+
 /// What a reader wants to see; without words the report chooses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewRequest {
@@ -34,6 +43,8 @@ pub struct ViewRequest {
     pub above: Vec<(String, String)>,
     /// The states of this branch alone, by the flag's word: `attractive` or `repulsive`.
     pub branch: Option<String>,
+    /// Lets `explore.html` compute cases between the rows.
+    pub engine: Option<PageEngine>,
 }
 
 /// A place for each axis of a grid, by the axes' numbers.

@@ -37,9 +37,6 @@ function drawMapAxes(paint, here, width, height) {
     `${MAP_OBSERVABLES[here.of].words} over ${lower(here.x.words)} and ${lower(here.y.words)}`;
 }
 
-/** @param {string} words */
-const lower = (words) => words[0].toLowerCase() + words.slice(1);
-
 /**
  * @param {CanvasRenderingContext2D} paint @param {Chart} here @param {[number, number]} ends
  * @param {number} width @param {number} height

@@ -27,6 +27,7 @@ async function begin() {
   makeTours();
   onDead = (why) => tellDead(why);
   onWork = tell;
+  onScheme = drawMap;
   window.addEventListener('hashchange', () => {
     if (location.hash.replace(/^#/, '') !== lastHash) restore();
   });

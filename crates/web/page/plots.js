@@ -7,6 +7,9 @@ function element(id) {
   return found;
 }
 
+/** @param {string} words */
+const lower = (words) => words[0].toLowerCase() + words.slice(1);
+
 /** A colour of the style sheet; it changes with light and dark. @param {string} name */
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
@@ -15,6 +18,9 @@ function sharedPrefix(all, unit) {
   const largest = all.reduce((most, one) => Math.max(most ?? 0, Math.abs(one ?? 0)), 0) ?? 0;
   return prefixFor(largest, unit);
 }
+
+/** Called when light and dark change places, for what is no plot. */
+let onScheme = () => {};
 
 /** Every plot, to fit and to draw anew. @type {{plot: Plot, place: HTMLElement}[]} */
 const allPlots = [];
@@ -63,7 +69,7 @@ function makePlot(place, series, more) {
 
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
   for (const { plot } of allPlots) plot.redraw(false);
-  drawMap();
+  onScheme();
 });
 
 /** Dims a picture whose numbers belong to older positions, and says so. @param {string} id @param {boolean} old */

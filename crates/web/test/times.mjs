@@ -1,14 +1,41 @@
-// node times.mjs PAGE.html: ms from a slider's move to the first points, the whole curve and the map, for each law.
+// node times.mjs PAGE.html [PROGRAM]: ms from a slider's move to the first points, the whole curve and the map, for each law; and
+// what the program takes for the same curve and the same map, from its start to its results file.
 //
 // It needs playwright-core (where NODE_PATH has it) and /usr/bin/chromium.
 import { createRequire } from 'node:module';
-import { resolve } from 'node:path';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import { SWITCHES } from './switches.mjs';
 
 const { chromium } = createRequire(import.meta.url)('playwright-core');
-const args = ['--headless', '--no-sandbox', '--disable-gpu', '--disable-background-networking', '--disable-sync'];
+const program = process.argv[3] && resolve(process.argv[3]);
 const MOVES = 10;
 
-const browser = await chromium.launch({ executablePath: '/usr/bin/chromium', args });
+/** The scene of one of the page's pictures. */
+const sceneOf = async (which) => {
+  await page.selectOption('#scene-of', which);
+  await page.click('#copy-scene');
+  return page.inputValue('#scene-text');
+};
+/** Runs a scene several times. */
+const native = (text) => {
+  const folder = mkdtempSync(join(tmpdir(), 'afmsweep-times-'));
+  writeFileSync(join(folder, 'scene.toml'), text);
+  const all = Array.from({ length: MOVES }, () => {
+    const begun = performance.now();
+    execFileSync(program, ['-q', 'run', 'scene.toml', '-o', 'results.h5', '--overwrite', '--no-audit'], { cwd: folder });
+    return performance.now() - begun;
+  });
+  return all;
+};
+const leastAndMedian = (ms) => {
+  ms.sort((a, b) => a - b);
+  return `${ms[0].toFixed(0)}, ${ms[ms.length >> 1].toFixed(0)} ms`;
+};
+
+const browser = await chromium.launch({ executablePath: '/usr/bin/chromium', args: SWITCHES });
 const page = await browser.newPage();
 const begun = performance.now();
 await page.goto(`file://${resolve(process.argv[2])}`);
@@ -25,10 +52,10 @@ for (const law of ['hertz', 'dmt', 'jkr']) {
     const times = await page.evaluate(() => window.afmsweep.times);
     for (const name of Object.keys(all)) all[name].push(times[name]);
   }
-  const told = Object.entries(all).map(([name, ms]) => {
-    ms.sort((a, b) => a - b);
-    return `${name} ${ms[0].toFixed(0)}, ${ms[MOVES / 2].toFixed(0)} ms`;
-  });
+  const told = Object.entries(all).map(([name, ms]) => `${name} ${leastAndMedian(ms)}`);
   console.log(`${law}: least and median of ${MOVES} moves: ${told.join('; ')}`);
+  if (!program) continue;
+  for (const which of ['curve', 'map'])
+    console.log(`${law}: the program, ${which}: least and median of ${MOVES} runs: ${leastAndMedian(native(await sceneOf(which)))}`);
 }
 await browser.close();

@@ -1,0 +1,5 @@
+// Types that the scripts share with those of the live page.
+type Plot = import('../page/vendor/uplot/uPlot');
+type PlotOptions = import('../page/vendor/uplot/uPlot').Options;
+type PlotSeries = import('../page/vendor/uplot/uPlot').Series;
+interface Window { afmsweep: unknown }
