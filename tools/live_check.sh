@@ -29,9 +29,9 @@ done
 gunzip -c "$engine" >target/web/engine.wasm
 export NODE_PATH=$PWD/target/web/test/node_modules
 node crates/web/test/browser.mjs target/web/live.html target/web/engine.wasm
-# Pages of results: a grid and a list.
-for scene in quickstart samples; do
+# Pages of results: a grid, a list, and a grid with an axis of names.
+for scene in quickstart samples phase_at_setpoint; do
     "$program" -q run "scenes/$scene.toml" -o "target/web/$scene.h5" --overwrite
     "$program" -q report "target/web/$scene.h5" --engine "$engine"
 done
-node crates/web/test/explore.mjs target/web/quickstart/explore.html target/web/samples/explore.html
+node crates/web/test/explore.mjs target/web/{quickstart,samples,phase_at_setpoint}/explore.html

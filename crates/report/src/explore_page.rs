@@ -173,7 +173,13 @@ fn axis(axis: &Coordinate, list: bool) -> Value {
         "path": axis.scene_path,
         "labels": axis.words,
         "values": (!list).then_some(&*axis.values),
+        "together": axis.columns.iter().filter(|_| !list).map(together).collect::<Vec<_>>(),
     })
+}
+
+/// A quantity that varies with others along an axis.
+fn together(column: &Coordinate) -> Value {
+    json!({ "unit": column.units, "path": column.scene_path, "values": &*column.values })
 }
 
 fn flag(flag: &Flags) -> Value {

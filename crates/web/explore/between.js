@@ -8,9 +8,12 @@ let betweenOn = false;
 /** @type {() => void} */
 let betweenChanged = () => {};
 
+/** Whether an axis is a quantity of a scene: the way along a curve and the numbers of samples are none. @param {Axis} axis */
+const isOfScene = (axis) => /^(instrument|sample|contact|drive|approach)\./.test(axis.path);
+
 /** Quantities that may be moved: those of the scene that are no words. */
 const movable = () =>
-  swept().filter((column, n) => column.labels.length === 0 && START.axes[n].path !== '' && column.ends[0] < column.ends[1]);
+  swept().filter((column, n) => column.labels.length === 0 && isOfScene(START.axes[n]) && column.ends[0] < column.ends[1]);
 
 /** The scene of one case. @returns {Table} */
 function betweenScene() {
@@ -18,7 +21,8 @@ function betweenScene() {
   scene.title = START.live?.title;
   START.axes.forEach((axis, n) => {
     const column = swept()[n];
-    if (axis.path === '') return;
+    for (const { path, unit, values } of axis.together) put(scene, path, written(values[placeOf(choice.row, n)], unit));
+    if (!isOfScene(axis)) return;
     const label = axis.labels[column.at(choice.row)];
     const value = axis.labels.length ? label : written(betweenValues[column.key] ?? column.at(choice.row), axis.unit);
     put(scene, axis.path, value);

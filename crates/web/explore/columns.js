@@ -1,8 +1,10 @@
 // The results that the page was given: axes, columns, statuses, and which row stands where.
 
 /**
- * A swept quantity. Of a grid `values` are its places; a list has one number a row in place of them.
- * @typedef {{words: string, short: string, unit: string, path: string, labels: string[], values: number[] | null}} Axis
+ * A swept quantity. Of a grid `values` are its places; a list has one number a row in place of them. `together` are the
+ * quantities that vary together along an axis of names or samples.
+ * @typedef {{words: string, short: string, unit: string, path: string, labels: string[], values: number[] | null,
+ *   together: {unit: string, path: string, values: number[]}[]}} Axis
  */
 /** @typedef {{key: string, words: string, short: string, unit: string, role: 'swept' | 'observable' | 'quality'}} ColumnHead */
 /** @typedef {{words: string, meanings: string[], bits: boolean}} FlagHead */

@@ -31,17 +31,28 @@ function makeRow(one) {
   slider.setAttribute('aria-describedby', `w-${one.id}`);
   slider.addEventListener('input', () => take(one, valueAt(one, Number(slider.value) / SLIDER_STEPS)));
   field.addEventListener('change', () => {
-    const shown = prefixFor(valueOf(one), one.unit).unit;
-    const value = parseQuantity(field.value, one.unit, shown || '1');
+    const value = fieldValue(one, field.value);
     if (value === null || Number.isNaN(value)) {
       element(`w-${one.id}`).textContent =
-        `"${field.value}" is no ${lower(one.words)}: give a number and a unit, as ${show(valueOf(one), one.unit)}.`;
+        `"${field.value}" is no ${lower(one.words)}: give a number and a unit, as ${show(one.start, one.unit)}.`;
       field.setAttribute('aria-invalid', 'true');
       return;
     }
     take(one, value);
   });
   return row;
+}
+
+/**
+ * A number without a unit counts in the unit that is shown; where only the SI unit makes sense of it, in that.
+ * @param {Quantity} one @param {string} text
+ */
+function fieldValue(one, text) {
+  const usual = parseQuantity(text, one.unit, prefixFor(valueOf(one), one.unit).unit || '1');
+  const plain = parseQuantity(text, one.unit);
+  const fits = (/** @type {number | null} */ value) =>
+    value !== null && value >= Math.min(one.from / 10, 10 * one.from) && value <= 10 * one.to;
+  return !fits(usual) && fits(plain) ? plain : usual;
 }
 
 /** A new value of a slider. @param {Quantity} one @param {number} value */

@@ -39,6 +39,8 @@ let engineCount = 0;
 const SPARE_ENGINES = 2;
 /** Spares are started when the first points are there, ms. */
 const SPARE_AFTER = 400;
+/** So long a brief task that is no longer wanted may take to its end, ms. */
+const BRIEF = 500;
 
 /** @param {Task} task */
 function ask(task) {
@@ -122,12 +124,21 @@ function dropTasks(kinds) {
     const task = engine.task;
     if (!task || task.dropped || !kinds.includes(task.kind)) continue;
     task.dropped = true;
-    if (task.brief) continue;
-    endEngine(engine);
+    if (!task.brief) endEngine(engine);
+    // One of a slow scene is not as brief as others.
+    else setTimeout(() => endIfBusyWith(engine, task), BRIEF);
   }
   fillEngines(engineCount);
   setTimeout(() => fillEngines(engineCount + SPARE_ENGINES), SPARE_AFTER);
   onWork();
+}
+
+/** @param {Engine} engine @param {Task} task */
+function endIfBusyWith(engine, task) {
+  if (engine.task !== task || !engines.includes(engine)) return;
+  endEngine(engine);
+  fillEngines(engineCount);
+  handOut();
 }
 
 /** @param {string[]} kinds */

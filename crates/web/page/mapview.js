@@ -34,7 +34,10 @@ function drawMapAxes(paint, here, width, height) {
   paint.textAlign = 'center';
   paint.fillText(here.x.words, width / 2, height + 28);
   element('map-words').textContent =
-    `${MAP_OBSERVABLES[here.of].words} over ${lower(here.x.words)} and ${lower(here.y.words)}`;
+    `${MAP_OBSERVABLES[here.of].words} over ${lower(here.x.words)} and ${lower(here.y.words)}; ` +
+    `each place is searched by itself, for ${
+      state.branch === 'any' || state.hold === 'gap' ? 'the state that is met first' : `a state on the ${state.branch} branch`
+    }`;
 }
 
 /**
@@ -194,6 +197,7 @@ function makeMapChoices() {
       // Choosing the other axis's quantity swaps the two.
       if (other && mapChoice()[other] === value) state.map[other] = mapChoice()[/** @type {'x' | 'y'} */ (key)];
       state.map[key] = value;
+      showMapChoices();
       change();
     });
   }
@@ -210,6 +214,8 @@ function makeMapChoices() {
         if (value !== null && Number.isFinite(value) && value !== range[1 - end]) {
           state.map.ranges[one.id] = end ? [range[0], value] : [value, range[1]];
         }
+        const field = /** @type {HTMLInputElement} */ (event.target);
+        field.toggleAttribute('aria-invalid', value === null || !Number.isFinite(value) || value === range[1 - end]);
         change();
       });
     }

@@ -77,7 +77,7 @@ function makeMotionPlots() {
     travel: make(
       'm-travel',
       [
-        { ...line, stroke: () => colour('tip') },
+        // The tip is drawn over the sample that it sinks into.
         {
           ...line,
           width: 1,
@@ -85,6 +85,7 @@ function makeMotionPlots() {
           fill: () => colour('solid'),
           fillTo: (u) => u.scales.y.min ?? 0,
         },
+        { ...line, stroke: () => colour('tip') },
       ],
       { scales: { y: { range: travelRange } } },
     ),
@@ -180,7 +181,7 @@ function drawMotion() {
   const x = time.map((one) => timesTen(one, seconds.ten));
   loop = far.map((one, n) => [timesTen(one, apart.ten), timesTen(force[n], newton.ten)]);
   const surface = timesTen(-gap, length.ten);
-  motionPlots.travel.setData([x, travel.map((one) => timesTen(one, length.ten)), x.map(() => surface)]);
+  motionPlots.travel.setData([x, x.map(() => surface), travel.map((one) => timesTen(one, length.ten))]);
   motionPlots.force.setData([x, loop.map(([, f]) => f)]);
   motionPlots.distance.setData([loop.map(([d]) => d).sort((a, b) => a - b), loop.map(([, f]) => f)]);
   element('m-travel-words').textContent = `Tip's travel, ${length.unit}, over time, ${seconds.unit}; grey: the sample`;
@@ -213,13 +214,16 @@ function toldLoss({ values, error }) {
   return `loss ${show(values.dissipation, 'J')} per period`;
 }
 
+/** What tells the branches apart. @type {Record<string, string>} */
+const MEAN_FORCE = { attractive: ' (the mean force pulls)', repulsive: ' (the mean force pushes)' };
+
 function toldMotion() {
   if (!motion) return 'The motion comes with the first numbers.';
   const { values, words, status } = motion;
   const word = words[status];
   if (status === 7 || motion.gap === null) return `No motion to show: ${word?.word ?? ''}: ${word?.reason ?? ''}.`;
   const parts = [
-    `Gap ${show(motion.gap, 'm', 4)}, ${motion.source}, branch ${motion.branch}`,
+    `Gap ${show(motion.gap, 'm', 4)}, ${motion.source}, ${motion.branch}${MEAN_FORCE[motion.branch] ?? ''}`,
     `amplitude ${show(values.amplitude, 'm', 4)}`,
     `phase lag ${show(values.phase, 'degree', 4)}`,
     `force ${show(values.force_min, 'N')} to ${show(values.force_max, 'N')}`,
@@ -243,7 +247,7 @@ function showPhase(share) {
     dot.hidden = !(left >= 0 && left <= plot.over.clientWidth + 1);
     dot.style.transform = `translate(${left}px, ${plot.valToPos(y, 'y')}px)`;
   };
-  place(travel, travel.data[0][n], /** @type {number} */ (travel.data[1][n]));
+  place(travel, travel.data[0][n], /** @type {number} */ (travel.data[2][n]));
   place(force, force.data[0][n], loop[n][1]);
   place(distance, loop[n][0], loop[n][1]);
   /** @type {HTMLInputElement} */ (element('m-phase')).value = String(Math.round(share * 360));

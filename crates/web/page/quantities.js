@@ -226,8 +226,8 @@ function addApproach() {
     holds: true,
     start: given('approach.force_setpoint', 'N') ?? 5e-9,
   });
-  addQuantity('Approach', 'far', '', 'Curve from, of the free amplitude', '1', 0.6, 3, { ...how, start: 1.1 });
-  addQuantity('Approach', 'near', '', 'Curve to, of the free amplitude', '1', -10, 0.9, { ...how, start: 0.2 });
+  addQuantity('Approach', 'far', '', 'Curve from gap, of the free amplitude', '1', 0.6, 3, { ...how, start: 1.1 });
+  addQuantity('Approach', 'near', '', 'Curve to gap, of the free amplitude', '1', -10, 0.9, { ...how, start: 0.2 });
 }
 
 addLever();

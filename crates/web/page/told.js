@@ -83,18 +83,24 @@ function tell() {
   tellAloud();
 }
 
+/** Where a branch was asked for and is not there. @param {Motion} of */
+function branchNote({ branch, round }) {
+  const missed = round === rounds.motion && state.hold !== 'gap' && state.branch !== 'any' && branch !== state.branch;
+  return missed ? `: no ${state.branch} state was found here` : '';
+}
+
 function tellKeyValues() {
   const place = element('told-values');
   place.classList.toggle('old', motion?.round !== rounds.motion);
   if (!motion || motion.gap === null) {
-    place.textContent = motion ? 'No gap holds this set-point.' : '';
+    place.textContent = motion ? `No gap holds this ${HOLDS[state.hold].words}.` : '';
     return;
   }
   const { values } = motion;
   place.textContent =
     `Gap ${show(motion.gap, 'm')} · amplitude ${show(values.amplitude, 'm')}` +
     ` · phase lag ${show(values.phase, 'degree')}` +
-    ` · force ${show(values.force_max, 'N')} · ${motion.branch}`;
+    ` · force ${show(values.force_min, 'N')} to ${show(values.force_max, 'N')} · ${motion.branch}${branchNote(motion)}`;
 }
 
 /** What the engine says, near the controls and above the picture that it is about. */
@@ -106,6 +112,11 @@ function tellFailures() {
     ? [`The page searches for steady states. It leaves out ${left.join(' and ')} of the scene.`]
     : [];
   const shown = [...new Set(all.map(([, words]) => words))].length === 1 ? texts.slice(0, 1) : texts;
+  // What the engine speaks of is marked at its field.
+  const refused = all.map(([, words]) => words).join(' ');
+  for (const one of QUANTITIES.filter((each) => each.path !== '' && refused.includes(`\`${each.path}\``))) {
+    element(`t-${one.id}`).setAttribute('aria-invalid', 'true');
+  }
   setText('failure', [deadTold, ...shown].filter((one) => one !== '').join('\n'));
   setText('note', [...notes, unknownWords].filter((one) => one !== '').join(' '));
 }

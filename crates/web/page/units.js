@@ -72,7 +72,8 @@ function parseUnit(text) {
   for (const part of plain.split(/(\s*\/\s*|\s*[*·]\s*|\s+)/)) {
     if (part.trim() === '/') sign = -1;
     if (/^\s*[/*·]?\s*$/.test(part)) continue;
-    const [word, power = '1'] = part.split('^');
+    // "J/m2" is meant as "J/m^2".
+    const [word, power = '1'] = part.replace(/^([a-zA-Z]+)(\d)$/, '$1^$2').split('^');
     const symbol = unitSymbol(word);
     if (!symbol || !/^-?\d$/.test(power)) return null;
     const times = sign * Number(power);
@@ -95,7 +96,8 @@ function parseUnit(text) {
 function parseQuantity(given, unit, usual = unit) {
   if (typeof given === 'number') return given;
   if (typeof given !== 'string') return null;
-  const plain = given.replace(/−/g, '-');
+  // A comma between digits is a decimal point.
+  const plain = given.replace(/−/g, '-').replace(/(\d),(\d)/, '$1.$2');
   const found = /^\s*([+-]?(?:\d+\.?\d*|\.\d+|inf))(?:[eE]([+-]?\d+))?\s*(.*?)\s*$/.exec(plain);
   if (!found) return null;
   if (found[1].endsWith('inf')) return found[1][0] === '-' ? -Infinity : Infinity;
