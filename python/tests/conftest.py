@@ -46,7 +46,7 @@ LONG = afm.Scene(LEVER).set(
     {
         "run": {"steady": "wait", "periods": 400},
         "sweep": {
-            "approach.gap": {"from": "10 nm", "to": "19 nm", "points": 100},
+            "approach.gap": {"from": "10 nm", "to": "19 nm", "points": 800},
             "sample.youngs_modulus": {"from": "1 GPa", "to": "9 GPa", "points": 80},
         },
     }

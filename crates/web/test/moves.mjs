@@ -1,6 +1,6 @@
-// node moves.mjs PAGE.html [SECONDS] [SEED]: random moves of the live page. Twice a minute it prints the heap and the renderer's
-// memory. It ends with 1 if a picture stood with numbers of older positions unmarked or without its error, if the page does not come
-// to rest in the end, or if it complained.
+// node moves.mjs PAGE.html [SECONDS] [SEED]: random moves of the live page. Twice a minute it prints the heap and the memory of
+// the renderers of every Chromium on the machine. It ends with 1 if a picture stood with numbers of older positions unmarked or
+// without its error, if the page does not come to rest in the end, or if it complained.
 //
 // It needs playwright-core (where NODE_PATH has it), ps and /usr/bin/chromium.
 import { createRequire } from 'node:module';
