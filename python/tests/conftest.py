@@ -1,12 +1,16 @@
 """Scenes that run in a blink, and the command beside the package."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import afmsweep as afm
 import pytest
+
+# A shell lets what it starts in its background ignore Ctrl-C, and Python then leaves it so. Tests press it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = Path(__file__).resolve().parents[2]
 
