@@ -60,7 +60,7 @@ const LEVER: &str = "[instrument.cantilever]\nstiffness = \"26 N/m\"\nfrequency 
 
 /// Of each kind of sweep. Truth: the scene; the page's numbers are compared with the results in crates/report.
 #[test]
-fn lists_and_grids_of_three_axes_have_a_page_that_turns_them_about() {
+fn lists_and_grids_of_three_axes_have_a_page_to_explore_them() {
     let desk = Desk::new();
     std::fs::write(desk.path("engine.wasm.gz"), [0x1f, 0x8b, 1, 2, 3]).unwrap();
     let gap = "\"approach.gap\" = { values = [\"16 nm\", \"18 nm\"] }\n";
@@ -92,6 +92,10 @@ fn lists_and_grids_of_three_axes_have_a_page_that_turns_them_about() {
         let plain = start(&page("explore.html").unwrap());
         assert_eq!((plain["count"].as_u64(), &plain["live"]), (Some(count), &Value::Null), "{name}");
         assert_eq!(plain["axes"].as_array().unwrap().len(), axes, "{name}");
+        // What lies outside a reader's limits has no status of the file.
+        told(&["--below", "force_max=1fN"]);
+        let limited = start(&page("explore.html").unwrap());
+        assert_eq!(limited["words"]["254"]["word"], "outside the limits asked for", "{name}");
         told(&["--engine", "engine.wasm.gz"]);
         let with_engine = page("explore.html").unwrap();
         assert!(with_engine.contains("H4sBAgM="), "{name}: the engine is not in it");

@@ -1,7 +1,8 @@
-//! `explore.html`: a page that turns results about: sliders for the dimensions, maps, curves, parallel axes, stored motions, and,
+//! `explore.html`, a page to explore results: sliders for the dimensions, maps, curves, parallel axes, stored motions, and,
 //! where the page has the engine for WebAssembly, cases between the rows.
 
 use super::PageEngine;
+use super::frame::{EXCLUDED, status_word};
 use super::labels::{capital, label, names, short};
 use super::live_page::{WORKER, assembled, page_file};
 use super::picture::PictureKind;
@@ -11,7 +12,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 
 macro_rules! own_file {
@@ -26,10 +27,9 @@ const SCRIPTS: &[&str] = &[
     page_file!("toml.js"),
     page_file!("engine.js"),
     page_file!("plots.js"),
-    page_file!("viridis.js"),
+    page_file!("surface.js"),
     own_file!("columns.js"),
     own_file!("choice.js"),
-    own_file!("surface.js"),
     own_file!("slicemap.js"),
     own_file!("cloud.js"),
     own_file!("parallel.js"),
@@ -58,7 +58,7 @@ struct ExploreColumn<'a> {
     at: Box<dyn Fn(usize) -> f64 + 'a>,
 }
 
-/// Whether the fixed pictures of these results leave something to be turned about: a list, or a grid of three axes or more.
+/// Whether the fixed pictures of these results leave something to explore: a list, or a grid of three axes or more.
 pub(super) fn is_wanted(results: &Results) -> bool {
     results.status.len() > 1 && (results.list || results.axes.len() >= LEAST_AXES)
 }
@@ -87,7 +87,7 @@ pub(super) fn explore_page(
         "list": results.list,
         "axes": results.axes.iter().map(|one| axis(one, results.list)).collect::<Vec<_>>(),
         "columns": columns.iter().map(head).collect::<Vec<_>>(),
-        "words": Status::ALL.iter().map(word).collect::<Vec<_>>(),
+        "words": words(),
         "flags": results.flags.iter().map(flag).collect::<Vec<_>>(),
         "waves": waves.zip(kept.as_ref()).map(|(waves, kept)| wave_head(waves, kept)),
         "live": engine.map(|engine| engine.start.clone()),
@@ -118,7 +118,7 @@ fn columns(results: &Results) -> Vec<ExploreColumn<'_>> {
     let second = results.other_branch.iter().flat_map(|table| {
         let states = move |row: usize| table.status.get(row).is_some_and(|code| *code != NO_STATE);
         let variables = table.variables.iter().filter(|one| PictureKind::of(one) == PictureKind::Asked);
-        variables.flat_map(|one| of_variable(one, " second", ", second state")).map(move |mut column| {
+        variables.flat_map(|one| of_variable(one, "-second", ", second state")).map(move |mut column| {
             let at = column.at;
             column.at = Box::new(move |row| if states(row) { at(row) } else { f64::NAN });
             column
@@ -147,7 +147,7 @@ fn of_variable<'a>(
         let number = if each > 1 { format!(", harmonic {}", n + 1) } else { String::new() };
         let at = move |row: usize| variable.data.get(row * each + n).copied().unwrap_or(f64::NAN);
         ExploreColumn {
-            key: format!("{}{key}{}", variable.name, number.replace(',', "")),
+            key: format!("{}{key}{}", variable.name, number.replace(", harmonic ", "-harmonic-")),
             words: format!("{}{words}{number}", capital(names(variable).0)),
             short: format!("{}{words}{number}", capital(&names(variable).1)),
             unit: &variable.units,
@@ -157,8 +157,13 @@ fn of_variable<'a>(
     })
 }
 
-fn word(status: &Status) -> Value {
-    json!({ "word": status.meaning(), "reason": status.reason() })
+/// What each status code means, those among them that a report gives itself.
+fn words() -> Map<String, Value> {
+    let word = |word: &str, reason: &str| json!({ "word": word, "reason": reason });
+    let file = Status::ALL.iter().map(|one| (*one as u8, word(one.meaning(), one.reason())));
+    let own = [EXCLUDED, NO_STATE]
+        .map(|code| (code, word(&status_word(code), "by the options that the report was made with")));
+    file.chain(own).map(|(code, words)| (code.to_string(), words)).collect()
 }
 
 fn head(column: &ExploreColumn) -> Value {
@@ -297,7 +302,7 @@ mod tests {
         assert_eq!(start["title"], "</script>");
         assert_eq!(start["axes"][2]["values"], json!([5.0, 6.0]));
         let keys: Vec<&Value> = start["columns"].as_array().unwrap().iter().map(|one| &one["key"]).collect();
-        assert_eq!(keys, ["amplitude", "amplitude second", "steps_per_period"]);
+        assert_eq!(keys, ["amplitude", "amplitude-second", "steps_per_period"]);
         assert_eq!(start["waves"], json!({ "rows": [2, 5], "samples": 2, "stored": 2, "shared": true }));
         let mut pack = Vec::new();
         GzDecoder::new(&STANDARD.decode(part(&page, "pack")).unwrap()[..]).read_to_end(&mut pack).unwrap();

@@ -56,7 +56,7 @@ use store::{Results, StoreError, read};
 /// Found in the page of every report: such a folder may be written again.
 const MARKER: &str = "afmsweep report";
 
-/// The page that turns results about.
+/// The page to explore results.
 const EXPLORE: &str = "explore.html";
 
 /// Path of the axis of samples.
@@ -92,7 +92,7 @@ pub struct Report {
     pub folder: PathBuf,
     /// The pictures, in the order of the page.
     pub pictures: Vec<Pictured>,
-    /// The file in the folder that turns the results about, where there is one.
+    /// The page to explore the results, a file in the folder, where there is one.
     pub explore: Option<String>,
     /// What was not drawn, a sentence each.
     pub left_out: Vec<String>,
@@ -159,16 +159,16 @@ pub fn write(file: &Path, output: Option<&Path>, wish: &ViewRequest) -> Result<R
         false => (None, None),
     };
     let findings = page_summary::all(looked_at, &fixed, sentence);
-    let turned = explore_page::is_wanted(&results).then(|| {
+    let explored = explore_page::is_wanted(&results).then(|| {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         explore_page::explore_page(&results, (&page::heading(&results, file), &name), wish.engine.as_ref())
     });
-    let turned = turned.and_then(|page| page.map_err(|why| drawn.left_out.push(why)).ok());
-    let page = ("index.html".to_owned(), page::html(&results, file, (&drawn, &findings, turned.is_some())));
+    let explored = explored.and_then(|page| page.map_err(|why| drawn.left_out.push(why)).ok());
+    let page = ("index.html".to_owned(), page::html(&results, file, (&drawn, &findings, explored.is_some())));
     let text = ("report.md".to_owned(), page::markdown(&results, file, (&drawn, &findings)));
     let mut files = vec![page, text];
-    let explore = turned.as_ref().map(|_| EXPLORE.to_owned());
-    files.extend(turned.map(|page| (EXPLORE.to_owned(), page)));
+    let explore = explored.as_ref().map(|_| EXPLORE.to_owned());
+    files.extend(explored.map(|page| (EXPLORE.to_owned(), page)));
     let mut pictures = Vec::new();
     for picture in drawn.pictures {
         let csv = picture.csv.as_ref().map(|_| format!("{}.csv", picture.name));

@@ -25,7 +25,7 @@ const SCRIPTS: &[&str] = &[
     page_file!("curve.js"),
     page_file!("curveview.js"),
     page_file!("motion.js"),
-    page_file!("viridis.js"),
+    page_file!("surface.js"),
     page_file!("map.js"),
     page_file!("mapview.js"),
     page_file!("controls.js"),

@@ -67,7 +67,7 @@ pub(super) fn html(
     if explore {
         let _ = writeln!(
             page,
-            "<p><a href=\"{EXPLORE}\">{EXPLORE}</a> turns the results about: sliders, maps, curves, brushes.</p>"
+            "<p><a href=\"{EXPLORE}\">{EXPLORE}</a> explores the results: sliders, maps, curves, brushes.</p>"
         );
     }
     for line in findings {

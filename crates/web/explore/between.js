@@ -32,11 +32,11 @@ function betweenScene() {
   const observed = known.filter(isComputed);
   // The indentation follows from the travel and the gap.
   if (parseQuantity(at(scene, 'approach.gap'), 'm') === null && !observed.includes('gap')) observed.push('gap');
-  return { ...scene, run: { ...scene.run, steady: 'search' }, output: { observables: observed, waveforms } };
+  return { ...scene, output: { observables: observed, waveforms } };
 }
 
-/** Harmonics and second states have keys of their own. @param {string} key */
-const isComputed = (key) => !key.includes(' ');
+/** Harmonics and second states have a dash in their keys. @param {string} key */
+const isComputed = (key) => !key.includes('-');
 
 function askBetween() {
   dropTasks(['motion']);

@@ -65,8 +65,9 @@ function writeLink() {
   }
 }
 
-/** What a link says and this page does not know is passed over. */
+/** Takes what a link says over the first choice. What it says and this page does not know is passed over. */
 function readLink() {
+  startChoice();
   for (const part of location.hash.replace(/^#/, '').split('&')) {
     const [key, value = ''] = part.split('=');
     const row = Number(value);

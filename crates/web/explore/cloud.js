@@ -28,7 +28,7 @@ function drawCloud() {
     }
   }
   paint.globalAlpha = 1;
-  drawBar(here, of, of.ends);
+  drawBar(here, of.ends, of.unit);
   drawTicks(here, evenTicks(cloudTick(x)), evenTicks(cloudTick(y)), x.words);
   drawTarget(here, shareOf(x, x.at(choice.row)) * width, (1 - shareOf(y, y.at(choice.row))) * height);
   element('map-words').textContent = `${y.words} over ${lower(x.words)}, coloured by ${lower(of.words)}`;

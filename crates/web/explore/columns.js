@@ -13,12 +13,11 @@
  * @typedef {object} Start
  * @property {string} title
  * @property {string} file
- * @property {string} index name of the report's page
  * @property {number} count of rows
  * @property {boolean} list
  * @property {Axis[]} axes
  * @property {ColumnHead[]} columns each has `count` numbers of four bytes in the pack, the axes of a list among them
- * @property {StatusWord[]} words
+ * @property {Record<number, StatusWord>} words of the status codes
  * @property {FlagHead[]} flags each has `count` bytes in the pack, behind the statuses
  * @property {WaveHead | null} waves
  * @property {{title: string, base: Table} | null} live
@@ -100,17 +99,9 @@ const columnOf = (key) => COLUMNS.find((one) => one.key === key) ?? COLUMNS[0];
 const swept = () => COLUMNS.filter((one) => one.role === 'swept');
 const observables = () => COLUMNS.filter((one) => one.role === 'observable');
 
-/** @param {string} id @returns {Promise<ArrayBuffer>} */
-async function unpacked(id) {
-  const text = atob(document.getElementById(id)?.textContent?.trim() ?? '');
-  const bytes = new Uint8Array(text.length);
-  for (let n = 0; n < text.length; n++) bytes[n] = text.charCodeAt(n);
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();
-}
-
 /** Reads the pack: the columns, the waveforms, the statuses, the flags. */
 async function readPack() {
-  const pack = await unpacked('pack');
+  const pack = await unpacked('pack', 'application/octet-stream').arrayBuffer();
   let at = 0;
   const numbers = (/** @type {number} */ count) => {
     at += 4 * count;

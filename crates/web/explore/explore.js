@@ -170,7 +170,6 @@ async function begin() {
   element('file').textContent = START.file;
   element('map-told').textContent = MAP_HINT;
   await readPack();
-  startChoice();
   readLink();
   tellAll();
   element('lines').hidden = !isGrid;

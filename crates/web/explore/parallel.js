@@ -93,7 +93,7 @@ function tellWithin(drawn) {
     ? `${withinCount} of ${START.count} rows lie within ${brushes === 1 ? 'the brush' : `all ${brushes} brushes`}`
     : `${START.count} rows`;
   const few = drawn < withinCount ? `; ${drawn} of them are drawn` : '';
-  const how = brushes ? 'Click an axis to let its brush go' : 'Drag along an axis to keep the rows that pass there';
+  const how = brushes ? 'Click an axis to clear its brush' : 'Drag along an axis to keep the rows that pass there';
   element('parallel-told').textContent = `${rows}${few}. ${how}.`;
   /** @type {HTMLButtonElement} */ (element('unbrush')).disabled = brushes === 0;
 }

@@ -42,41 +42,21 @@ function placeTicks(axis) {
 
 function drawSlice() {
   const here = surface('map');
-  const { paint, width, height } = here;
   const all = slice();
   const { columns, rows, value, ends } = all;
-  const [wide, high] = [width / columns, height / rows];
-  // Whole pixels: cells have no seams.
-  const edge = (/** @type {number} */ place) => Math.round(place * devicePixelRatio) / devicePixelRatio;
-  for (let r = 0; r < rows; r++) {
-    for (let c = 0; c < columns; c++) {
-      const one = value[r * columns + c];
-      const row = all.first + c * STRIDES[all.x] + r * STRIDES[all.y];
-      const [x, y] = [edge(c * wide), edge(height - (r + 1) * high)];
-      const [right, bottom] = [edge((c + 1) * wide), edge(height - r * high)];
-      const known = ends !== null && !Number.isNaN(one);
-      paint.globalAlpha = known && !within[row] ? 0.2 : 1;
-      paint.fillStyle = known
-        ? `rgb(${viridis((one - ends[0]) / (ends[1] - ends[0] || 1)).join(' ')})`
-        : colour('solid');
-      paint.fillRect(x, y, right - x, bottom - y);
-      paint.globalAlpha = 1;
-      if (known) continue;
-      paint.strokeStyle = colour(isOk(row) ? 'grid' : 'bad');
-      paint.lineWidth = 1;
-      paint.beginPath();
-      paint.moveTo(x + 1, bottom - 1);
-      paint.lineTo(right - 1, y + 1);
-      paint.stroke();
-    }
-  }
+  drawCells(here, columns, rows, (column, row) => {
+    const one = value[row * columns + column];
+    const place = all.first + column * STRIDES[all.x] + row * STRIDES[all.y];
+    const share = ends ? (one - ends[0]) / (ends[1] - ends[0] || 1) : NaN;
+    return { share, ok: isOk(place), faded: !within[place] };
+  });
   if (ends) {
     if (Math.min(columns, rows) >= LEAST_PLACES) drawContours(here, all, ends);
-    drawBar(here, columnOf(choice.of), ends);
+    drawBar(here, ends, columnOf(choice.of).unit);
   }
   drawTicks(here, placeTicks(all.x), placeTicks(all.y), COLUMNS[all.x].words);
   const [c, r] = [placeOf(choice.row, all.x), placeOf(choice.row, all.y)];
-  drawTarget(here, (c + 0.5) * wide, height - (r + 0.5) * high);
+  drawTarget(here, ((c + 0.5) / columns) * here.width, (1 - (r + 0.5) / rows) * here.height);
   element('map-words').textContent = `${columnOf(choice.of).words} over ${lower(COLUMNS[all.x].words)} and ${lower(COLUMNS[all.y].words)}`;
 }
 

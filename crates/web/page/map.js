@@ -142,20 +142,6 @@ function takeRows(here, rows, answer) {
   here.warnings.push(...answer.warnings);
 }
 
-const MAP_MARGIN = { left: 58, right: 74, top: 8, bottom: 34 };
-
-/** @returns {{canvas: HTMLCanvasElement, width: number, height: number}} without the margins, in CSS pixels */
-function mapBox() {
-  const canvas = /** @type {HTMLCanvasElement} */ (element('map-canvas'));
-  const width = Math.max(200, canvas.clientWidth);
-  const height = Math.max(160, canvas.clientHeight);
-  return {
-    canvas,
-    width: width - MAP_MARGIN.left - MAP_MARGIN.right,
-    height: height - MAP_MARGIN.top - MAP_MARGIN.bottom,
-  };
-}
-
 /** The row whose numbers stand for a row, until its own are there. @param {Chart} here @param {number} row */
 function rowShown(here, row) {
   for (let away = 0; away < ROWS; away++) {
@@ -176,42 +162,17 @@ function mapEnds(here) {
 function drawMap() {
   if (!chart) return;
   const here = chart;
-  const { canvas, width, height } = mapBox();
-  const ratio = devicePixelRatio;
-  canvas.width = Math.round((width + MAP_MARGIN.left + MAP_MARGIN.right) * ratio);
-  canvas.height = Math.round((height + MAP_MARGIN.top + MAP_MARGIN.bottom) * ratio);
-  const paint = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
-  paint.scale(ratio, ratio);
-  paint.translate(MAP_MARGIN.left, MAP_MARGIN.top);
+  const place = surface('map-canvas');
   const ends = mapEnds(here);
-  const [cellWidth, cellHeight] = [width / COLUMNS, height / ROWS];
-  const edge = (/** @type {number} */ place) => Math.round(place * ratio) / ratio;
-  for (let row = 0; row < ROWS; row++) {
+  drawCells(place, COLUMNS, ROWS, (column, row) => {
     const shown = rowShown(here, row);
-    if (shown < 0) continue;
-    for (let column = 0; column < COLUMNS; column++) {
-      const n = shown * COLUMNS + column;
-      const value = here.value[n];
-      // Whole pixels: cells have no seams.
-      const [x, y] = [edge(column * cellWidth), edge(height - (row + 1) * cellHeight)];
-      const [right, bottom] = [edge((column + 1) * cellWidth), edge(height - row * cellHeight)];
-      const ok = here.status[n] === 0 && value !== null && ends;
-      paint.fillStyle = ok
-        ? `rgb(${viridis((value - ends[0]) / (ends[1] - ends[0] || 1)).join(' ')})`
-        : colour('solid');
-      paint.fillRect(x, y, right - x, bottom - y);
-      if (ok) continue;
-      // A cell without a number that can be used has a stroke; a measured nothing has none.
-      paint.strokeStyle = colour(here.status[n] === 0 ? 'grid' : 'bad');
-      paint.lineWidth = 1;
-      paint.beginPath();
-      paint.moveTo(x + 1, bottom - 1);
-      paint.lineTo(right - 1, y + 1);
-      paint.stroke();
-    }
-  }
-  drawMapAxes(paint, here, width, height);
-  if (ends) drawColourBar(paint, here, ends, width, height);
-  drawMapCross(paint, here, width, height);
+    if (shown < 0) return null;
+    const n = shown * COLUMNS + column;
+    const [value, ok] = [here.value[n], here.status[n] === 0];
+    return { ok, share: ok && value !== null && ends ? (value - ends[0]) / (ends[1] - ends[0] || 1) : NaN };
+  });
+  drawMapAxes(place, here);
+  if (ends) drawBar(place, ends, here.unit);
+  drawMapCross(place, here);
   markOld('map', here.round !== rounds.map);
 }

@@ -7,32 +7,15 @@ function axisShare(axis, value) {
   return axis.log ? Math.log(value / from) / Math.log(to / from) : (value - from) / (to - from);
 }
 
-/** @param {CanvasRenderingContext2D} paint @param {Chart} here @param {number} width @param {number} height */
-function drawMapAxes(paint, here, width, height) {
-  paint.fillStyle = colour('ink');
-  paint.font = '11px system-ui, sans-serif';
-  const places = [0, 0.25, 0.5, 0.75, 1];
-  const label = (/** @type {MapAxis} */ axis, /** @type {number} */ share) => {
-    const from = axis.values[0];
-    const to = axis.values[axis.values.length - 1];
-    return show(
-      axis.log ? from * (to / from) ** share : from + (to - from) * share,
-      axis.unit,
-      axis.id === 'd' ? 4 : 3,
-    );
-  };
-  for (const share of width < 260 ? [0, 0.5, 1] : places) {
-    paint.textAlign = share === 0 ? 'left' : share === 1 ? 'right' : 'center';
-    paint.fillText(label(here.x, share), share * width, height + 13);
-  }
-  paint.textAlign = 'right';
-  for (const share of places) {
-    paint.textBaseline = share === 0 ? 'bottom' : share === 1 ? 'top' : 'middle';
-    paint.fillText(label(here.y, share), -5, (1 - share) * height);
-  }
-  paint.textBaseline = 'alphabetic';
-  paint.textAlign = 'center';
-  paint.fillText(here.x.words, width / 2, height + 28);
+/** @param {Surface} place @param {Chart} here */
+function drawMapAxes(place, here) {
+  const ticks = (/** @type {MapAxis} */ axis) =>
+    evenTicks((share) => {
+      const [from, to] = [axis.values[0], axis.values[axis.values.length - 1]];
+      const value = axis.log ? from * (to / from) ** share : from + (to - from) * share;
+      return show(value, axis.unit, axis.id === 'd' ? 4 : 3);
+    });
+  drawTicks(place, ticks(here.x), ticks(here.y), here.x.words);
   element('map-words').textContent =
     `${MAP_OBSERVABLES[here.of].words} over ${lower(here.x.words)} and ${lower(here.y.words)}; ` +
     `each place is searched by itself, for ${
@@ -40,31 +23,9 @@ function drawMapAxes(paint, here, width, height) {
     }`;
 }
 
-/**
- * @param {CanvasRenderingContext2D} paint @param {Chart} here @param {[number, number]} ends
- * @param {number} width @param {number} height
- */
-function drawColourBar(paint, here, ends, width, height) {
-  const left = width + 10;
-  for (let n = 0; n < 64; n++) {
-    paint.fillStyle = `rgb(${viridis(n / 63).join(' ')})`;
-    paint.fillRect(left, height - ((n + 1) * height) / 64, 12, height / 64 + 0.5);
-  }
-  paint.fillStyle = colour('ink');
-  paint.textAlign = 'left';
-  const prefix = sharedPrefix(ends, here.unit);
-  for (const share of [0, 0.25, 0.5, 0.75, 1]) {
-    paint.textBaseline = share === 0 ? 'bottom' : share === 1 ? 'top' : 'middle';
-    const value = shortNumber(timesTen(ends[0] + (ends[1] - ends[0]) * share, prefix.ten), 3);
-    paint.fillText(value, left + 15, (1 - share) * height);
-  }
-  paint.textBaseline = 'alphabetic';
-  paint.fillText(prefix.unit, left, height + 13);
-}
-
-/** A cross where the sliders are, a frame where the pointer is.
- * @param {CanvasRenderingContext2D} paint @param {Chart} here @param {number} width @param {number} height */
-function drawMapCross(paint, here, width, height) {
+/** A cross where the sliders are, a frame where the pointer is. @param {Surface} place @param {Chart} here */
+function drawMapCross(place, here) {
+  const { paint, width, height } = place;
   const now = (/** @type {MapAxis} */ axis) => {
     const value = valueOf(quantity(axis.id));
     return axisShare(
@@ -77,19 +38,7 @@ function drawMapCross(paint, here, width, height) {
   const toY = (/** @type {number} */ share) => height - ((share * (ROWS - 1) + 0.5) / ROWS) * height;
   const [x, y] = [now(here.x), now(here.y)];
   if (x >= -0.02 && x <= 1.02 && y >= -0.03 && y <= 1.03) {
-    for (const [stroke, line] of /** @type {[string, number][]} */ ([
-      ['#000', 4],
-      ['#fff', 2],
-    ])) {
-      paint.strokeStyle = stroke;
-      paint.lineWidth = line;
-      paint.beginPath();
-      paint.moveTo(toX(x) - 8, toY(y));
-      paint.lineTo(toX(x) + 8, toY(y));
-      paint.moveTo(toX(x), toY(y) - 8);
-      paint.lineTo(toX(x), toY(y) + 8);
-      paint.stroke();
-    }
+    drawTarget(place, toX(x), toY(y));
   }
   if (mapCell) {
     paint.strokeStyle = '#fff';
@@ -148,10 +97,8 @@ function goToCell() {
 function makeMap() {
   const canvas = /** @type {HTMLCanvasElement} */ (element('map-canvas'));
   const point = (/** @type {PointerEvent | MouseEvent} */ event) => {
-    const box = canvas.getBoundingClientRect();
-    const { width, height } = mapBox();
-    const column = Math.floor(((event.clientX - box.left - MAP_MARGIN.left) / width) * COLUMNS);
-    const row = ROWS - 1 - Math.floor(((event.clientY - box.top - MAP_MARGIN.top) / height) * ROWS);
+    const { x, y } = pointed('map-canvas', event);
+    const [column, row] = [Math.floor(x * COLUMNS), Math.floor(y * ROWS)];
     mapCell = column >= 0 && column < COLUMNS && row >= 0 && row < ROWS ? { column, row } : null;
     drawMap();
     tellMapCell();
@@ -214,8 +161,8 @@ function makeMapChoices() {
         if (value !== null && Number.isFinite(value) && value !== range[1 - end]) {
           state.map.ranges[one.id] = end ? [range[0], value] : [value, range[1]];
         }
-        const field = /** @type {HTMLInputElement} */ (event.target);
-        field.toggleAttribute('aria-invalid', value === null || !Number.isFinite(value) || value === range[1 - end]);
+        const refused = value === null || !Number.isFinite(value) || value === range[1 - end];
+        /** @type {HTMLInputElement} */ (event.target).setAttribute('aria-invalid', String(refused));
         change();
       });
     }

@@ -97,7 +97,7 @@ function errorSpread(all) {
 
 /** @typedef {{word: string, reason: string}} StatusWord */
 
-/** How many of each status: "97 ok, 1 not_steady". @param {number[]} status @param {StatusWord[]} words */
+/** How many of each status: "97 ok, 1 not_steady". @param {number[]} status @param {Record<number, StatusWord>} words */
 function statusCounts(status, words) {
   /** @type {Map<number, number>} */
   const counts = new Map();

@@ -1,8 +1,21 @@
-// Pictures that are painted point by point: their frame, ticks and colour bar.
+// Pictures on a canvas of their own: colours, cells, ticks, colour bar, and where the pointer is.
 
-/** @typedef {{paint: CanvasRenderingContext2D, canvas: HTMLCanvasElement, width: number, height: number}} Surface */
+/** Viridis, whose lightness rises evenly: it reads without colours, too. */
+const VIRIDIS = ['440154', '482878', '3e4989', '31688e', '26828e', '1f9e89', '35b779', '6ece58', 'b5de2b', 'fde725'];
 
-const MARGIN = { left: 64, right: 84, top: 10, bottom: 36 };
+/** @param {number} share @returns {[number, number, number]} */
+function viridis(share) {
+  const place = Math.min(1, Math.max(0, share)) * (VIRIDIS.length - 1);
+  const n = Math.min(VIRIDIS.length - 2, Math.floor(place));
+  const parts = (/** @type {string} */ hex) => [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16));
+  const [low, high] = [parts(VIRIDIS[n]), parts(VIRIDIS[n + 1])];
+  const mix = low.map((one, k) => Math.round(one + (high[k] - one) * (place - n)));
+  return [mix[0], mix[1], mix[2]];
+}
+
+/** @typedef {{paint: CanvasRenderingContext2D, width: number, height: number}} Surface */
+
+const MARGIN = { left: 58, right: 74, top: 8, bottom: 34 };
 const TICKS = [0, 0.25, 0.5, 0.75, 1];
 
 /** The canvas in CSS pixels, its origin within the margins. @param {string} id @returns {Surface} */
@@ -18,7 +31,6 @@ function surface(id, margin = MARGIN) {
   paint.font = '11px system-ui, sans-serif';
   return {
     paint,
-    canvas,
     width: all[0] - margin.left - margin.right,
     height: all[1] - margin.top - margin.bottom,
   };
@@ -45,9 +57,9 @@ const evenTicks = (words) => TICKS.map((share) => ({ share, words: words(share) 
 function drawTicks({ paint, width, height }, across, up, words) {
   paint.fillStyle = colour('ink');
   // Where there is little room, every second one.
-  for (const { share, words: text } of width < 280 ? across.filter((_, n) => n % 2 === 0) : across) {
+  for (const { share, words: text } of width < 260 ? across.filter((_, n) => n % 2 === 0) : across) {
     paint.textAlign = share === 0 ? 'left' : share === 1 ? 'right' : 'center';
-    paint.fillText(text, share * width, height + 14);
+    paint.fillText(text, share * width, height + 13);
   }
   paint.textAlign = 'right';
   for (const { share, words: text } of up) {
@@ -56,11 +68,44 @@ function drawTicks({ paint, width, height }, across, up, words) {
   }
   paint.textBaseline = 'alphabetic';
   paint.textAlign = 'center';
-  paint.fillText(words, width / 2, height + 29);
+  paint.fillText(words, width / 2, height + 28);
 }
 
-/** @param {Surface} here @param {Column} column @param {[number, number]} ends */
-function drawBar({ paint, width, height }, column, ends) {
+/**
+ * A cell of a map: where its value is between the ends, NaN for none that can be used; whether its status is ok; whether it
+ * fades.
+ * @typedef {{share: number, ok: boolean, faded?: boolean}} Cell
+ */
+
+/** @param {Surface} here @param {number} columns @param {number} rows @param {(column: number, row: number) => Cell | null} at */
+function drawCells({ paint, width, height }, columns, rows, at) {
+  // Whole pixels: cells have no seams.
+  const edge = (/** @type {number} */ place) => Math.round(place * devicePixelRatio) / devicePixelRatio;
+  for (let row = 0; row < rows; row++) {
+    const [top, bottom] = [edge(height - ((row + 1) * height) / rows), edge(height - (row * height) / rows)];
+    for (let column = 0; column < columns; column++) {
+      const cell = at(column, row);
+      if (!cell) continue;
+      const [left, right] = [edge((column * width) / columns), edge(((column + 1) * width) / columns)];
+      const known = !Number.isNaN(cell.share);
+      paint.globalAlpha = known && cell.faded ? 0.2 : 1;
+      paint.fillStyle = known ? `rgb(${viridis(cell.share).join(' ')})` : colour('solid');
+      paint.fillRect(left, top, right - left, bottom - top);
+      paint.globalAlpha = 1;
+      if (known) continue;
+      // A cell without a number that can be used has a stroke; a measured nothing has a pale one.
+      paint.strokeStyle = colour(cell.ok ? 'grid' : 'bad');
+      paint.lineWidth = 1;
+      paint.beginPath();
+      paint.moveTo(left + 1, bottom - 1);
+      paint.lineTo(right - 1, top + 1);
+      paint.stroke();
+    }
+  }
+}
+
+/** @param {Surface} here @param {[number, number]} ends @param {string} unit */
+function drawBar({ paint, width, height }, ends, unit) {
   const left = width + 10;
   for (let n = 0; n < 64; n++) {
     paint.fillStyle = `rgb(${viridis(n / 63).join(' ')})`;
@@ -68,14 +113,17 @@ function drawBar({ paint, width, height }, column, ends) {
   }
   paint.fillStyle = colour('ink');
   paint.textAlign = 'left';
+  const prefix = sharedPrefix(ends, unit);
   for (const share of TICKS) {
     paint.textBaseline = share === 0 ? 'bottom' : share === 1 ? 'top' : 'middle';
-    paint.fillText(show(ends[0] + (ends[1] - ends[0]) * share, column.unit), left + 16, (1 - share) * height);
+    const value = shortNumber(timesTen(ends[0] + (ends[1] - ends[0]) * share, prefix.ten), 3);
+    paint.fillText(value, left + 15, (1 - share) * height);
   }
   paint.textBaseline = 'alphabetic';
+  paint.fillText(prefix.unit, left, height + 13);
 }
 
-/** The place of the chosen row. @param {Surface} here @param {number} x @param {number} y in its pixels */
+/** A cross that marks the chosen place. @param {Surface} here @param {number} x @param {number} y in its pixels */
 function drawTarget({ paint }, x, y) {
   for (const [stroke, line] of /** @type {[string, number][]} */ ([
     ['#000', 4],

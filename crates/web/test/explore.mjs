@@ -133,7 +133,7 @@ await page.waitForFunction(() => document.getElementById('case-told')?.textConte
 check('the link holds the choice', (await told(page, 'parallel-told')).startsWith(`${brushed} of `));
 await page.click('#unbrush');
 await drawn(page);
-check('the brushes are let go', /^\d+ rows.*Drag along/.test(await told(page, 'parallel-told')));
+check('the brushes are cleared', /^\d+ rows.*Drag along/.test(await told(page, 'parallel-told')));
 
 // Cases between the rows: at a row's own values the engine finds the row's own numbers.
 await page.click('#between-row');
@@ -143,7 +143,7 @@ await page.waitForFunction(() => window.afmsweep.between());
 const compared = () => {
   const { choice, columns } = window.afmsweep;
   const { answer } = window.afmsweep.between();
-  // What a sample takes is no more than rounding where it takes nothing.
+  // Where the sample takes no energy, the dissipation is rounding alone.
   const all = columns.filter(
     (one) => one.role === 'observable' && one.key !== 'dissipation' && answer.variables?.[one.key],
   );
@@ -206,7 +206,7 @@ const place = await page.evaluate(() => {
 });
 const cloud = await page.locator('#map').boundingBox();
 await page.click('#map', {
-  position: { x: 64 + place.x * (cloud.width - 148), y: 10 + (1 - place.y) * (cloud.height - 46) },
+  position: { x: 58 + place.x * (cloud.width - 132), y: 8 + (1 - place.y) * (cloud.height - 42) },
 });
 await drawn(page);
 check('a click chooses the nearest point', (await chosen(page)) === 3);
