@@ -117,7 +117,7 @@ steps_per_period = 256
     scene.base.contact.law = match law {
         Law::None => LawChoice::None,
         Law::Hertz | Law::ViscousHertz | Law::RelaxingHertz | Law::ShapedHertz => LawChoice::Hertz,
-        Law::Dmt | Law::ViscousDmt | Law::ShapedDmt | Law::Sum => LawChoice::Dmt,
+        Law::Dmt | Law::ViscousDmt | Law::ShapedDmt | Law::Sum | Law::HystereticSum => LawChoice::Dmt,
         Law::Jkr => LawChoice::Jkr,
     };
     scene.output.observables = vec![Observable::Amplitude, Observable::Phase, Observable::ForceMax];

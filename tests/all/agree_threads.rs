@@ -8,7 +8,7 @@ use afmsweep::contact::Law;
 use afmsweep::engine::{Cpu, Engine, Finished, Progress, on_threads};
 use afmsweep::observe::{Observable, Status};
 use afmsweep::plan::{Plan, Precision};
-use afmsweep::scene::{HydrationStrength, OutsideForce, Scene, Start, SweptAxes, TipShape, Viscosity};
+use afmsweep::scene::{Scene, Start, SweptAxes, TipShape, Viscosity};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -21,7 +21,7 @@ fn laws() -> impl Iterator<Item = &'static str> {
 
 /// Three axes, one of which changes the instrument's drive.
 fn sweep(law: &str, start: &str, periods: u32) -> Scene {
-    let word = if law == "sum" { "dmt" } else { law.split('-').next().unwrap_or(law) };
+    let word = if law.starts_with("sum") { "dmt" } else { law.split('-').next().unwrap_or(law) };
     let text = format!(
         r#"
 [instrument.cantilever]
@@ -52,16 +52,8 @@ measure = 5
     );
     let mut scene = Scene::parse(Path::new("test.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.output.observables = Observable::all().collect();
-    if law == "sum" {
-        scene.base.contact.outside = vec![
-            OutsideForce::Electrostatic { bias: 1.0, contact_potential: 0.2, cut_off: 0.5e-9 },
-            OutsideForce::Hydration {
-                strength: HydrationStrength::Force(0.3e-9),
-                decay_length: 0.8e-9,
-                period: Some(0.5e-9),
-                phase: 20.0,
-            },
-        ];
+    if law.starts_with("sum") {
+        scene.base.contact.outside = checks::outside_forces(law);
     } else if law.ends_with("-viscous") {
         scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);
     } else if law.ends_with("-shaped") {

@@ -74,6 +74,8 @@ fn constants(law: Law, count: usize, filled: usize, steps: usize, i: usize) -> V
         "mean_rise_gain" => -2.0 * bent / recovery,
         // Each second one an exponential, and half of them pull.
         name if name.starts_with("table") => f64::from(u8::from(name.ends_with(['0', '2']))),
+        "forms" => -0.1,
+        "breaks" => -0.6,
         "scale_0" | "scale_3" => -0.3 * force,
         "scale_1" | "scale_2" => 0.2 * force,
         _ => 2.5,
@@ -362,7 +364,7 @@ fn the_determinant_is_liouvilles() {
                 middle((0..INSTANCES).map(error).collect()).0
             };
             // Several forces with corners at touch: their error is small from the start, and falls with more steps.
-            let few = if law == Law::Sum { 512 } else { 256 };
+            let few = if law.is_sum() { 512 } else { 256 };
             let [coarse, fine] = [off(few), off(4 * few)];
             println!(
                 "{law}, {count} modes: median off by {coarse:.1e} with {few} steps, {fine:.1e} with four times as many"

@@ -288,10 +288,9 @@ fn every_quantity_can_be_written_swept_and_echoed() {
         let text = Address::find(&path).unwrap().written(value);
         let (mut company, mut drive) = (String::new(), "");
         if path.contains(".modes.") || path.starts_with("instrument.cantilever.quality_factor.") {
-            let list = if path.contains(".modes.") {
-                "modes = [{ stiffness = \"2 N/m\", frequency = \"70 kHz\" }]"
-            } else {
-                "quality_factor = [100]"
+            let list = match path.contains(".modes.") {
+                true => "modes = [{ stiffness = \"2 N/m\", frequency = \"70 kHz\" }]",
+                false => "quality_factor = [100]",
             };
             company = format!("{ROD}[instrument.cantilever]\n{list}\n");
         }
@@ -341,24 +340,25 @@ fn every_quantity_can_be_written_swept_and_echoed() {
     }
 }
 
-/// A force outside contact that has this quantity, and whatever else it needs.
+/// A force outside contact with this quantity, and what else it needs.
 pub fn outside_with(path: &str) -> String {
     let key = path.rsplit('.').next().unwrap();
     let force = match key {
-        "bias" | "contact_potential" | "cut_off" => "electrostatic bias=1 V cut_off=1 nm",
-        "pressure" | "strength" => "hydration decay_length=1 nm",
-        "decay_length" | "period" | "phase" => "hydration strength=1 nN decay_length=1 nm period=1 nm",
-        _ => "double-layer tip_charge=1 mC/m^2 sample_charge=1 mC/m^2 screening_length=1 nm",
+        "bias" | "contact_potential" | "cut_off" => "electrostatic, bias=1 V, cut_off=1 nm",
+        "cone_half_angle" => "electrostatic, bias=1 V, cut_off=1 nm, cone_height=9 um",
+        "cone_height" => "electrostatic, bias=1 V, cut_off=1 nm, cone_half_angle=9 degree",
+        "forms_at" | "breaks_at" => "capillary, strength=1 nN, breaks_at=1 mm, decay_length=1 nm",
+        "pressure" | "strength" => "hydration, decay_length=1 nm",
+        "decay_length" | "period" | "phase" => "hydration, strength=1 nN, decay_length=1 nm, period=1 nm",
+        _ => "double-layer, tip_charge=1 mC/m^2, sample_charge=1 mC/m^2, screening_length=1 nm",
     };
-    let (word, rest) = force.split_once(' ').unwrap();
-    let mut text = format!("[contact]\nlaw = \"dmt\"\n[[contact.outside]]\nforce = \"{word}\"\n");
-    let units = rest.replace(" V", "_V").replace(" n", "_n").replace(" m", "_m");
-    for (one, value) in units.split(' ').map(|entry| entry.split_once('=').unwrap()) {
-        if one != key {
-            text += &format!("{one} = \"{}\"\n", value.replacen('_', " ", 1));
-        }
-    }
-    text
+    let (word, rest) = force.split_once(", ").unwrap();
+    let entries = rest.split(", ").map(|entry| entry.split_once('=').unwrap());
+    let lines = entries.filter(|(one, _)| *one != key).map(|(one, value)| format!("{one} = \"{value}\"\n"));
+    format!(
+        "[contact]\nlaw = \"dmt\"\n[[contact.outside]]\nforce = \"{word}\"\n{}",
+        lines.collect::<String>()
+    )
 }
 
 /// Sections of one entry each, as dotted keys.

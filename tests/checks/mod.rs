@@ -6,7 +6,7 @@ pub mod bounds;
 pub mod driven_lever;
 pub mod energy;
 
-use crate::support::laws::{Law as Force, Outside, Tip};
+use crate::support::laws::{Law as Force, Neck, Outside, Tip};
 use crate::support::oscillator::{Mode, Options, Outcome, State, System};
 use afmsweep::contact::{Contact, Law};
 use afmsweep::engine::{Cpu, Engine, Finished, Progress};
@@ -14,8 +14,8 @@ use afmsweep::kernel::contact::force_table::{EXPONENTIAL, INVERSE};
 use afmsweep::observe::{Measured, Observable, Status};
 use afmsweep::plan::{Plan, Precision};
 use afmsweep::scene::{
-    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, DriveOn, LawChoice, LeverMode, LeverSpec,
-    QualityFactor, Scene, Start, TermForce, TipShape,
+    ActuatorModel, Adhesion, DriveFrequency, DriveLevel, DriveOn, HydrationStrength, LawChoice, LeverMode,
+    LeverSpec, NeckModel, OutsideForce, QualityFactor, Scene, Start, TermForce, TipShape,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
@@ -119,7 +119,7 @@ pub fn force_law(plan: &Plan, instance: usize) -> Force {
         Law::Dmt => Force::Dmt { k, r, w, d0: contact.decay_length },
         Law::Jkr if w == 0.0 => Force::Hertz { k, r },
         Law::Jkr => Force::Jkr { k, r, w },
-        Law::ShapedHertz | Law::ShapedDmt | Law::Sum => {
+        Law::ShapedHertz | Law::ShapedDmt | Law::Sum | Law::HystereticSum => {
             let tangent = contact.half_angle.to_radians().tan();
             let tip = match contact.shape {
                 _ if contact.layer.is_some() => {
@@ -136,7 +136,9 @@ pub fn force_law(plan: &Plan, instance: usize) -> Force {
             let pull = if contact.choice == LawChoice::Dmt { 2.0 * PI * r * w } else { 0.0 };
             let (e, d0) = (0.75 * k, contact.decay_length);
             match contact.law {
-                Law::Sum => Force::Beside { e, tip, pull, d0, outside: outside(contact) },
+                Law::Sum | Law::HystereticSum => {
+                    Force::Beside { e, tip, pull, d0, outside: outside(contact), neck: neck(contact) }
+                }
                 _ => Force::Indenter { e, tip, pull, d0 },
             }
         }
@@ -146,26 +148,72 @@ pub fn force_law(plan: &Plan, instance: usize) -> Force {
     }
 }
 
+/// The forces of tests of the laws that are sums: two, and a liquid neck where the law remembers.
+pub fn outside_forces(law: &str) -> Vec<OutsideForce> {
+    let mut all = vec![
+        OutsideForce::Electrostatic { bias: 1.0, contact_potential: 0.2, cut_off: 0.5e-9, cone: None },
+        OutsideForce::Hydration {
+            strength: HydrationStrength::Force(0.3e-9),
+            decay_length: 0.8e-9,
+            period: Some(0.5e-9),
+            phase: 20.0,
+        },
+    ];
+    if law == Law::HystereticSum.name() {
+        all.push(OutsideForce::Capillary {
+            strength: 3e-9,
+            forms_at: 0.4e-9,
+            breaks_at: 2e-9,
+            decay_length: None,
+            model: NeckModel::InverseSquare,
+        });
+    }
+    all
+}
+
+/// The one charged tip of the tests with a cone: bias (V), cut-off, radius of the tip (m), half-angle (degree), height (m).
+pub const CHARGED_CONE: [f64; 5] = [3.0, 0.4e-9, 15e-9, 14.0, 12e-6];
+
 /// The one force of the tests that oscillates: strength (N), decay length and period (m), phase (degree).
 pub const WAVE: [f64; 4] = [0.4e-9, 0.5e-9, 0.28e-9, 40.0];
 
-/// The forces beside a contact. Of a table that is not the program's own the tests have one, [`WAVE`]. The first force of a
-/// sphero-cone is the contact itself.
+/// The forces beside a contact. Of tables that are not the program's own the tests have [`WAVE`] and [`CHARGED_CONE`]. The first
+/// force of a sphero-cone is the contact itself.
 fn outside(contact: Contact) -> [Outside; 4] {
     let first = usize::from(contact.shape == TipShape::SpheroCone);
+    let last = if contact.law == Law::HystereticSum { 3 } else { 4 };
     std::array::from_fn(|n| {
-        let term = contact.terms.get(n + first).copied().flatten();
+        let term = contact.terms[..last].get(n + first).copied().flatten();
         let Some(TermForce { amplitude: at_touch, length, table }) = term else { return Outside::None };
         let [strength, decay, period, phase] = WAVE;
         match table {
             EXPONENTIAL => Outside::Decay { at_touch, length },
             INVERSE => Outside::Inverse { at_touch, length },
+            _ if at_touch < 0.0 => {
+                let [potential, cut_off, r, half_angle, height] = CHARGED_CONE;
+                let half_angle = half_angle.to_radians();
+                let apart = cut_off + r * (1.0 - half_angle.sin());
+                assert!((length / apart - 1.0).abs() < 1e-12, "a table is no formula");
+                Outside::Cone { potential, cut_off, r, half_angle, height }
+            }
             _ => {
                 assert_eq!((at_touch, length), (strength, decay), "a table is no formula");
                 Outside::Wave { strength, length, period, phase: phase.to_radians() }
             }
         }
     })
+}
+
+/// A liquid neck: its force is nothing at its length if it is a straight line.
+fn neck(contact: Contact) -> Option<Neck> {
+    let term = contact.terms[3].filter(|_| contact.law == Law::HystereticSum)?;
+    let TermForce { amplitude: at_touch, length, .. } = term;
+    let force = match term.at(-length)[0] {
+        0.0 => Outside::Straight { at_touch, length },
+        _ => Outside::InverseSquare { at_touch, length },
+    };
+    let [forms, breaks] = contact.neck;
+    Some(Neck { force, forms, breaks, acts: false })
 }
 
 /// The instance as the independent integrator takes it, its start, and by how many degrees its

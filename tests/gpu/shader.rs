@@ -1,12 +1,13 @@
 //! Runs on the GPU and on the CPU, and how to compare them bit by bit.
 
+use crate::checks;
 use crate::twin;
 use afmsweep::contact::Law;
 use afmsweep::engine::gpu::{AdapterReport, Gpu, adapters};
 use afmsweep::engine::{Cpu, Engine, Finished, Outcome, Progress};
 use afmsweep::observe::Observable;
 use afmsweep::plan::{Plan, SectionState, StartState};
-use afmsweep::scene::{HydrationStrength, OutsideForce, Scene, TipShape, Viscosity, ViscosityModel};
+use afmsweep::scene::{Scene, TipShape, Viscosity, ViscosityModel};
 use libtest_mimic::Failed;
 use std::path::Path;
 
@@ -36,7 +37,7 @@ pub fn scene(law: &str, start: &str, modes: usize, steps: u32, periods: u32) -> 
             format!("modes = [{}]", (0..modes).map(mode).collect::<Vec<_>>().join(", "))
         }
     };
-    let word = if law == "sum" { "dmt" } else { law.split('-').next().unwrap_or(law) };
+    let word = if law.starts_with("sum") { "dmt" } else { law.split('-').next().unwrap_or(law) };
     let text = format!(
         r#"
 [instrument.cantilever]
@@ -67,16 +68,8 @@ steps_per_period = {steps}
     );
     let mut scene = Scene::parse(Path::new("test.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.output.observables = Observable::all().collect();
-    if law == "sum" {
-        scene.base.contact.outside = vec![
-            OutsideForce::Electrostatic { bias: 1.0, contact_potential: 0.2, cut_off: 0.5e-9 },
-            OutsideForce::Hydration {
-                strength: HydrationStrength::Force(0.3e-9),
-                decay_length: 0.8e-9,
-                period: Some(0.5e-9),
-                phase: 20.0,
-            },
-        ];
+    if law.starts_with("sum") {
+        scene.base.contact.outside = checks::outside_forces(law);
     } else if law.ends_with("-relaxing") {
         scene.base.sample.viscosity = Viscosity::Relaxing { modulus: 6e10, time: 2e-7 };
     } else if law.ends_with("-shaped") {

@@ -35,16 +35,54 @@ pub enum Law {
         pull: f64,
         d0: f64,
         outside: [Outside; 4],
+        neck: Option<Neck>,
     },
 }
 
-/// A force at a distance D: `at_touch` (N) times exp(-D/length), that times a cosine, or 1/(1 + D/length).
+/// A force that acts from the indentation `forms`, once the tip has come so near, to `breaks`, once it has gone so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Neck {
+    pub force: Outside,
+    pub forms: f64,
+    pub breaks: f64,
+    /// Whether it acts now.
+    pub acts: bool,
+}
+
+/// A force at a distance D: `at_touch` (N) times exp(-D/length), that times a cosine, 1/(1 + D/length), that squared, or 1 - D/length.
 #[derive(Clone, Copy, Debug)]
 pub enum Outside {
     None,
-    Decay { at_touch: f64, length: f64 },
-    Wave { strength: f64, length: f64, period: f64, phase: f64 },
-    Inverse { at_touch: f64, length: f64 },
+    Decay {
+        at_touch: f64,
+        length: f64,
+    },
+    Wave {
+        strength: f64,
+        length: f64,
+        period: f64,
+        phase: f64,
+    },
+    Inverse {
+        at_touch: f64,
+        length: f64,
+    },
+    /// The cone of a charged tip: Hudlet and others (1998), less the part of its round end that [`Outside::Inverse`] has.
+    Cone {
+        potential: f64,
+        cut_off: f64,
+        r: f64,
+        half_angle: f64,
+        height: f64,
+    },
+    InverseSquare {
+        at_touch: f64,
+        length: f64,
+    },
+    Straight {
+        at_touch: f64,
+        length: f64,
+    },
 }
 
 impl Outside {
@@ -58,6 +96,20 @@ impl Outside {
                 strength * (-away / length).exp() * (2.0 * PI * away / period + phase).cos()
             }
             Outside::Inverse { at_touch, length } => at_touch / (1.0 + away.max(-0.5 * length) / length),
+            Outside::Cone { potential, cut_off, r, half_angle, height } => {
+                let z = away + cut_off;
+                let (sine, cosine) = half_angle.sin_cos();
+                let a = z + r * (1.0 - sine);
+                let log = (half_angle / 2.0).tan().ln();
+                // The whole force, less pi eps0 V^2 R/z.
+                let apex = r * r * (1.0 - sine) / (z * a) - r / z;
+                let cone = ((height / a).ln() - 1.0 + r * cosine * cosine / (sine * a)) / (log * log);
+                -PI * 8.854_187_812_8e-12 * potential * potential * (apex + cone)
+            }
+            Outside::InverseSquare { at_touch, length } => {
+                at_touch / (1.0 + away.max(-0.5 * length) / length).powi(2)
+            }
+            Outside::Straight { at_touch, length } => at_touch * (1.0 - away / length),
         }
     }
 }
@@ -196,9 +248,10 @@ impl Law {
                     Law::Dmt { k: 0.0, r: 1.0, w: pull / (2.0 * PI), d0 }.force(d, false)
                 }
             }
-            Law::Beside { e, tip, pull, d0, outside } => {
+            Law::Beside { e, tip, pull, d0, outside, neck } => {
                 let contact = Law::Indenter { e, tip, pull, d0 }.force(d, touch);
-                contact + outside.map(|one| one.force(d, touch)).iter().sum::<f64>()
+                let neck = neck.filter(|neck| neck.acts).map_or(0.0, |neck| neck.force.force(d, touch));
+                contact + outside.map(|one| one.force(d, touch)).iter().sum::<f64>() + neck
             }
             Law::Jkr { k, r, w } => {
                 if touch {
@@ -221,6 +274,28 @@ impl Law {
             }
             _ => 0.0,
         }
+    }
+
+    /// How far the indentation is from where a force that remembers begins or ends; positive before.
+    pub fn room(&self, d: f64) -> f64 {
+        match self {
+            Law::Beside { neck: Some(Neck { breaks, acts: true, .. }), .. } => d - breaks,
+            Law::Beside { neck: Some(Neck { forms, .. }), .. } => forms - d,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// The law while a force that remembers acts or does not.
+    pub fn acting(mut self, acts: bool) -> Self {
+        if let Law::Beside { neck: Some(neck), .. } = &mut self {
+            neck.acts = acts;
+        }
+        self
+    }
+
+    /// Whether a force of it remembers.
+    pub fn remembers(&self) -> bool {
+        matches!(self, Law::Beside { neck: Some(_), .. })
     }
 
     /// Where between two indentations a force beside a contact is least or largest.

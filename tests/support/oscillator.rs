@@ -44,6 +44,8 @@ pub struct State {
     pub phase: f64,
     pub x: Vec<f64>,
     pub touch: bool,
+    /// Whether a force that remembers acts.
+    pub acts: bool,
     step: f64,
     /// Largest tip travel (or rate per radian) so far: what tolerances refer to.
     scale: f64,
@@ -137,7 +139,8 @@ impl System {
             })
             .sum();
         let scale = z.abs().max(rate.abs()).max(free).max(self.base.abs()).max(1e-15);
-        State { phase, x, touch: -(self.gap + z) > 0.0, step: 0.01, scale }
+        let delta = -(self.gap + z);
+        State { phase, x, touch: delta > 0.0, acts: self.law.room(delta) < 0.0, step: 0.01, scale }
     }
 
     /// Tip travel and its rate per radian of drive phase.
@@ -229,15 +232,16 @@ impl System {
         mut meter: Option<&mut Meter>,
     ) {
         let harmonics = meter.as_ref().map(|meter| meter.harmonics);
-        let equation = self.equation();
+        let mut system = System { law: self.law.acting(state.acts), ..self.clone() };
         let start = state.phase;
         let (mut end, mut error) = (state.x.clone(), state.x.clone());
         let mut gone = 0.0;
-        let mut rises = self.rising(start, state, tool);
+        let mut rises = system.rising(start, state, tool);
         if let Some(meter) = &mut meter {
-            meter.see(self, state);
+            meter.see(&system, state);
         }
         while gone < span {
+            let equation = system.equation();
             let touch = state.touch;
             let phase = start + gone;
             let x = std::mem::take(&mut state.x);
@@ -278,7 +282,9 @@ impl System {
             }
             let level = if touch { self.law.release() } else { 0.0 };
             let side = if touch { 1.0 } else { -1.0 };
-            let beyond = |h: f64, end: &[f64]| side * (self.indentation(phase + h, end) - level);
+            let contact = |h: f64, end: &[f64]| side * (system.indentation(phase + h, end) - level);
+            let neck = |h: f64, end: &[f64]| system.law.room(system.indentation(phase + h, end));
+            let beyond = |h: f64, end: &[f64]| contact(h, end).min(neck(h, end));
             let crossed = beyond(h, &end) < 0.0;
             if crossed {
                 h = locate(h, |h| {
@@ -287,8 +293,11 @@ impl System {
                 });
             }
             if let Some(meter) = &mut meter {
-                meter.pass(self, (phase, &x), (phase + h, &end), touch, h);
+                meter.pass(&system, (phase, &x), (phase + h, &end), touch, h);
             }
+            // A neck may form at touch: both change at once.
+            let (room, way) = (neck(h, &end), contact(h, &end));
+            let [changes, touches] = [crossed && room <= way, crossed && way <= room];
             state.x = x;
             state.x.copy_from_slice(&end);
             gone = if h == span - gone { span } else { gone + h };
@@ -296,14 +305,18 @@ impl System {
             let (z, speed) = self.travel(state.phase, &state.x);
             state.scale = state.scale.max(z.abs()).max(speed.abs());
             if crossed {
-                state.touch = !touch;
+                state.touch ^= touches;
+                state.acts ^= changes;
+                system.law = system.law.acting(state.acts);
                 state.step = state.step.min(1e-3);
                 if let Some(meter) = &mut meter {
-                    meter.contacts += usize::from(state.touch);
-                    meter.see(self, state);
+                    // Where a force remembers, the program counts how often it begins.
+                    let begun = if system.law.remembers() { changes && state.acts } else { state.touch };
+                    meter.contacts += usize::from(begun);
+                    meter.see(&system, state);
                 }
                 // a jump of the force leaves position and speed alone; only at rest it decides the turn
-                rises = if speed == 0.0 { self.rising(state.phase, state, tool) } else { speed > 0.0 };
+                rises = if speed == 0.0 { system.rising(state.phase, state, tool) } else { speed > 0.0 };
             } else if turned {
                 rises = !rises;
             }

@@ -40,6 +40,8 @@ macro_rules! laws {
             ShapedDmt = 8, "dmt-shaped", ShapedDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
             /// A contact with up to four forces beside it that are tabulated.
             Sum = 9, "sum", ForceSum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
+            /// The same, where one of the forces acts only from where it forms to where it breaks.
+            HystereticSum = 10, "sum-hysteretic", HystereticSum { attraction: Distant, hysteresis: true, wide: [], narrow: [2 24] };
         }
     };
 }
@@ -260,9 +262,9 @@ impl Law {
         known.contains(&self).then_some(Self::Sum)
     }
 
-    /// Whether it reads tables.
-    pub fn has_tables(self) -> bool {
-        self == Self::Sum
+    /// Whether it is a contact with other forces beside it.
+    pub fn is_sum(self) -> bool {
+        matches!(self, Self::Sum | Self::HystereticSum)
     }
 
     /// Whether the sample takes time to yield or to recover, so that the force depends on how the tip came here.
@@ -273,11 +275,6 @@ impl Law {
     /// Whether there is a sample at all.
     pub fn acts(self) -> bool {
         self != Law::None
-    }
-
-    /// Whether a tip that rests at that indentation (any unit) is in contact.
-    pub fn touches_at(self, indentation: f64) -> bool {
-        self.acts() && indentation > 0.0
     }
 
     /// Names of its constants in the kernel, in their order.

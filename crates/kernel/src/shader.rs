@@ -191,7 +191,7 @@ impl ShaderSpec {
         }
         let mut text = self.law_text();
         let mut add = |file: &str| text += &self.expanded(file);
-        let tables = if self.law.has_tables() { &[TABLE][..] } else { &[] };
+        let tables = if self.law.is_sum() { &[TABLE][..] } else { &[] };
         [JOB, STEP].iter().chain(tables).for_each(|file| add(file));
         if self.entry == Entry::Kicks {
             add(KICKS);

@@ -106,7 +106,8 @@ pub(super) fn begin(member: Member, start: Start) -> InstanceCheckpoint {
         }
     }
     let first = first_indentation(member, start);
-    let touching = f64::from(u8::from(member.0.contact.law.touches_at(first)));
+    let contact = &member.0.contact;
+    let touching = f64::from(u8::from(contact.law.acts() && contact.next_contact(first * LENGTH, false)));
     InstanceCheckpoint {
         x,
         u,

@@ -3,7 +3,7 @@
 use super::Finished;
 use super::kernel_constants::force_scale;
 use super::start;
-use crate::contact::Passed;
+use crate::contact::{Law, Passed};
 use crate::kernel::{LENGTH, RunSums};
 use crate::observe::{Measured, Status, Wants};
 use crate::plan::{Case, Driven};
@@ -125,7 +125,12 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
         (measured.force_min, measured.force_max) = case.contact.law().forces(&passed);
         // Contact begins at the surface: a contact between two steps is no shallower, though both may be outside.
         let shallowest = if run_sums.sums.begun > 0.0 { 0.0 } else { f64::NEG_INFINITY };
-        measured.indentation_max = if passed.touched { passed.deepest.max(shallowest) } else { f64::NAN };
+        // A force that remembers may form and break without contact.
+        let touched = match case.contact.law {
+            Law::HystereticSum => run_sums.sums.time > 0.0,
+            _ => passed.touched,
+        };
+        measured.indentation_max = if touched { passed.deepest.max(shallowest) } else { f64::NAN };
     }
     let status = judge(sums, case, driven, run, force);
     // The numbers of a free oscillation are known in closed form.

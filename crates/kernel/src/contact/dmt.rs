@@ -174,21 +174,28 @@ impl<L> Beside<L> for () {
     }
 }
 
-/// The kick of a contact under the attraction, with what acts beside them.
+/// The force of a contact under the attraction at an indentation.
+#[inline(always)]
+pub(super) fn tail_sample<L: Lane, E: Elastic<L>>((contact, tail): (&E, &Tail<L>), indentation: L) -> L {
+    let adhesion = tail.adhesion;
+    let y = L::splat(ONE) / tail.stretch(indentation);
+    when(
+        L::splat(ZERO).less(indentation),
+        -(adhesion * y * y),
+        #[inline(always)]
+        || (-(adhesion * y)).mul_add(y, contact.sample(indentation)),
+    )
+}
+
+/// The kick of a contact under the attraction, with what acts beside them, and the mean slope of all these forces.
 #[inline(always)]
 pub(super) fn tail_kick<L: Lane, E: Elastic<L>>(
     (contact, tail): (&E, &Tail<L>),
     beside: &impl Beside<L>,
     at: Approach<L>,
-) -> Kick<L> {
+) -> (Kick<L>, L) {
     let (zero, adhesion) = (L::splat(ZERO), tail.adhesion);
-    let y = L::splat(ONE) / tail.stretch(at.indentation);
-    let sample = when(
-        zero.less(at.indentation),
-        -(adhesion * y * y),
-        #[inline(always)]
-        || (-(adhesion * y)).mul_add(y, contact.sample(at.indentation)),
-    );
+    let sample = tail_sample((contact, tail), at.indentation);
     let path = Path::around(at, beside.sampled(sample, at.indentation));
     let fall = tail.fall(path);
     let elastic = when(
@@ -199,21 +206,23 @@ pub(super) fn tail_kick<L: Lane, E: Elastic<L>>(
     );
     let pull = tail.along(fall, elastic.share);
     let (force, slope) = (elastic.force - pull.force, elastic.slope - pull.slope);
-    let (impulse, shift) = match beside.along(path) {
+    let (impulse, shift, slope) = match beside.along(path) {
         None => {
             let straight = corrected(force, slope);
-            pull.bent((adhesion, at.acceleration - force), elastic.share, straight)
+            let (impulse, shift) = pull.bent((adhesion, at.acceleration - force), elastic.share, straight);
+            (impulse, shift, slope)
         }
         Some(term) => {
-            let force = force + term.force;
-            let straight = corrected(force, slope + term.slope);
+            let (force, slope) = (force + term.force, slope + term.slope);
+            let straight = corrected(force, slope);
             let bending = at.acceleration - force;
             let (impulse, shift) = pull.bent((adhesion, bending), elastic.share, straight);
             let length = path.end - path.start;
-            ((-bending).mul_add(term.lean, impulse), (-term.lean).mul_add(length, shift))
+            ((-bending).mul_add(term.lean, impulse), (-term.lean).mul_add(length, shift), slope)
         }
     };
-    Kick { impulse, shift, contact: elastic.share, touching: touching_at(path.end), ..Kick::none() }
+    let touching = touching_at(path.end);
+    (Kick { impulse, shift, contact: elastic.share, touching, ..Kick::none() }, slope)
 }
 
 impl<L: Lane, E: Elastic<L>> Interaction<L> for Dmt<L, E> {
@@ -228,6 +237,6 @@ impl<L: Lane, E: Elastic<L>> Interaction<L> for Dmt<L, E> {
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        tail_kick((&self.contact, &self.tail), &(), at)
+        tail_kick((&self.contact, &self.tail), &(), at).0
     }
 }

@@ -286,10 +286,15 @@ fn exponential() -> Vec<Knot> {
     decaying(|x| (x.exp(), x.exp()))
 }
 
-fn inverse() -> Vec<Knot> {
+/// As [`decaying`], of a force that falls off as a power of 1 - x.
+pub fn falling(force: impl Fn(f64) -> (f64, f64)) -> Vec<Knot> {
     let all = (KNOTS - 1) as f64;
     let places = (0..KNOTS).map(|n| 1.0 - (1e6f64.ln() * (1.0 - n as f64 / all)).exp());
-    outside(places, |x| (1.0 / (1.0 - x), (1.0 - x).powi(-2)))
+    outside(places, force)
+}
+
+fn inverse() -> Vec<Knot> {
+    falling(|x| (1.0 / (1.0 - x), (1.0 - x).powi(-2)))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod dmt;
 pub mod force_table;
 mod hertz;
+mod hysteretic_sum;
 mod jkr;
 mod jkr_curve;
 mod kelvin_voigt;
@@ -13,6 +14,7 @@ mod sum;
 
 pub use dmt::{Dmt, Tail};
 pub use hertz::{Elastic, Hertz};
+pub use hysteretic_sum::HystereticSum;
 pub use jkr::Jkr;
 pub use kelvin_voigt::{Clean, KelvinVoigt};
 pub use relaxing_hertz::RelaxingHertz;

@@ -13,7 +13,7 @@ pub const TERMS: usize = 4;
 
 /// A tabulated force: `scale` as impulse per step, its table's unit of length, and the table's number.
 #[derive(Clone, Copy, Debug)]
-pub struct Term<L> {
+pub(super) struct Term<L> {
     scale: L,
     inverse_length: L,
     table: L,
@@ -21,14 +21,14 @@ pub struct Term<L> {
 
 /// The forces beside a contact.
 #[derive(Clone, Copy, Debug)]
-pub struct Terms<L>([Term<L>; TERMS]);
+pub(super) struct Terms<L, const N: usize>(pub [Term<L>; N]);
 
 /// A contact with what acts beside it.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceSum<L> {
     contact: ShapedHertz<L>,
     tail: Tail<L>,
-    terms: Terms<L>,
+    terms: Terms<L, TERMS>,
 }
 
 /// A row of a table: from `at` to `next` the force is value + d (rise + d (square + d cube)), d from `at`; `work` and `moment`
@@ -90,6 +90,11 @@ impl<L: Lane> Cell<L> {
 
 impl<L: Lane> Term<L> {
     #[inline(always)]
+    pub fn from_numbers(mut next: impl FnMut() -> L) -> Self {
+        Self { scale: next(), inverse_length: next(), table: next() }
+    }
+
+    #[inline(always)]
     fn cell(&self, x: L) -> Cell<L> {
         Cell::new(x.look_up(self.table))
     }
@@ -100,14 +105,14 @@ impl<L: Lane> Term<L> {
     }
 
     #[inline(always)]
-    fn sample(&self, indentation: L) -> L {
+    pub fn sample(&self, indentation: L) -> L {
         let x = indentation * self.inverse_length;
         self.scale * self.cell(x).value(x)
     }
 
     /// Mean, slope and lean along a piece of path: pieces of the cells at its two ends, and sums of whole cells between.
     #[inline(always)]
-    fn along(&self, path: Path<L>) -> TermMean<L> {
+    pub fn along(&self, path: Path<L>) -> TermMean<L> {
         let zero = L::splat(ZERO);
         let (start, end) = (path.start * self.inverse_length, path.end * self.inverse_length);
         let (low, high) = (start.min(end), start.max(end));
@@ -139,7 +144,7 @@ impl<L: Lane> Term<L> {
     }
 }
 
-impl<L: Lane> Beside<L> for Terms<L> {
+impl<L: Lane, const N: usize> Beside<L> for Terms<L, N> {
     #[inline(always)]
     fn sampled(&self, contact: L, indentation: L) -> L {
         let mut sum = contact;
@@ -179,7 +184,7 @@ impl<L: Lane> Beside<L> for Terms<L> {
 }
 
 /// The powers, DMT's attraction, and of each term three.
-const FIELDS: [&str; POWERS + 2 + 3 * TERMS] = [
+pub(super) const FIELDS: [&str; POWERS + 2 + 3 * TERMS] = [
     "force_2",
     "force_3",
     "force_4",
@@ -214,13 +219,13 @@ impl<L: Lane> Interaction<L> for ForceSum<L> {
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
         let contact = <ShapedHertz<L> as Elastic<L>>::from_numbers(&mut next);
         let tail = Tail { adhesion: next(), inverse_decay: next() };
-        let terms = std::array::from_fn(|_| Term { scale: next(), inverse_length: next(), table: next() });
+        let terms = std::array::from_fn(|_| Term::from_numbers(&mut next));
         Self { contact, tail, terms: Terms(terms) }
     }
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        tail_kick((&self.contact, &self.tail), &self.terms, at)
+        tail_kick((&self.contact, &self.tail), &self.terms, at).0
     }
 }
 

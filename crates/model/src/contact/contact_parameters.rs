@@ -7,7 +7,8 @@ use super::{
 };
 use crate::kernel::contact::TERMS;
 use crate::scene::{
-    ContactParams, DriveFrequency, LawChoice, Params, TermForce, TipShape, Viscosity, ViscosityModel,
+    ContactParams, DriveFrequency, LawChoice, NeckForce, OutsideForce, Params, TermForce, TipShape,
+    Viscosity, ViscosityModel,
 };
 use std::f64::consts::PI;
 
@@ -36,8 +37,11 @@ pub struct Compact {
     pub half_angle: f64,
     /// The sample, if it is a thin layer.
     pub layer: Option<Layer>,
-    /// Forces beside the contact, of [`Law::Sum`]; of a sphero-cone the first is the contact itself.
+    /// Forces beside the contact, of a law that is a sum; of a sphero-cone the first is the contact itself. Under
+    /// [`Law::HystereticSum`] the last is the one that remembers.
     pub terms: [Option<TermForce>; TERMS],
+    /// Indentations at which the one that remembers forms and breaks, m.
+    pub neck: [f64; 2],
 }
 
 impl Compact {
@@ -96,6 +100,7 @@ impl Compact {
             half_angle: 0.0,
             layer: None,
             terms: [None; TERMS],
+            neck: [0.0; 2],
         }
     }
 
@@ -116,14 +121,22 @@ impl Compact {
     fn summed(self, params: &Params) -> Self {
         let ContactParams { table, outside, .. } = &params.contact;
         let whole = self.choice == LawChoice::Sum;
+        let neck = outside.iter().find_map(OutsideForce::neck);
+        let neck = neck.or_else(|| table.as_ref().and_then(|table| table.neck(whole)));
         let table = table.as_ref().map(|table| table.term(whole));
         let cap = (self.shape == TipShape::SpheroCone)
             .then(|| SpheroCone::new(self.half_angle).term(0.75 * self.modulus, self.radius));
-        let outside = outside.iter().map(|force| force.term(self.radius));
+        let others = outside.iter().filter(|force| !force.remembers());
+        let outside = others.flat_map(|force| force.terms(self.radius));
         let mut all = cap.into_iter().chain(table).chain(outside).peekable();
         match self.law.summed() {
-            Some(law) if all.peek().is_some() => {
-                Self { law, terms: std::array::from_fn(|_| all.next()), ..self }
+            Some(law) if all.peek().is_some() || neck.is_some() => {
+                let mut terms = std::array::from_fn(|_| all.next());
+                let Some(NeckForce { term, forms, breaks }) = neck else {
+                    return Self { law, terms, ..self };
+                };
+                terms[TERMS - 1] = Some(term);
+                Self { law: Law::HystereticSum, terms, neck: [forms, breaks], ..self }
             }
             _ => self,
         }
@@ -132,8 +145,8 @@ impl Compact {
     /// Where adhesion of the contact itself acts.
     pub(super) fn attraction(&self) -> Attraction {
         match (self.law, self.choice) {
-            (Law::Sum, LawChoice::Dmt) => Attraction::Distant,
-            (Law::Sum, _) => Attraction::None,
+            (law, LawChoice::Dmt) if law.is_sum() => Attraction::Distant,
+            (law, _) if law.is_sum() => Attraction::None,
             (law, _) => law.attraction(),
         }
     }
@@ -154,8 +167,8 @@ impl Compact {
 
     /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m), combined modulus at once (Pa),
     /// retardation time (s), half-angle (degree), a layer's thickness (m) and Poisson ratio, and the other forces' amplitudes
-    /// (N) and lengths (m).
-    pub fn constants(&self) -> [f64; 9 + 2 * TERMS] {
+    /// (N) and lengths (m), and where the last of them forms and breaks (m).
+    pub fn constants(&self) -> [f64; 11 + 2 * TERMS] {
         let [at_once, later, angle] = [self.instantaneous, self.retardation, self.half_angle];
         let (thickness, ratio) =
             self.layer.map_or((f64::INFINITY, 0.0), |layer| (layer.thickness, layer.poisson_ratio));
@@ -169,6 +182,8 @@ impl Compact {
             angle,
             thickness,
             ratio,
+            self.neck[0],
+            self.neck[1],
         ];
         let terms = self.terms.map(|term| term.map_or([0.0; 2], |term| [term.amplitude, term.length]));
         std::array::from_fn(|n| match n.checked_sub(own.len()) {

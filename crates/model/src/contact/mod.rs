@@ -18,11 +18,13 @@
 //! | [`Viscous`] | those of Hertz and DMT with a term of the rate, see there | those | no |
 //! | [`RelaxingHertz`] | that of Hertz with a modulus that falls from one value to another | 0 | no |
 //! | [`ForceSum`] | a contact without adhesion or DMT's, or none, and up to four forces beside it | those | no |
+//! | [`HystereticSum`] | the same, where one of these forces remembers | those | from where that forms to where it breaks |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
 
 mod contact_parameters;
 mod dmt;
 mod hertz;
+mod hysteretic_sum;
 mod jkr;
 mod layer;
 mod no_sample;
@@ -41,6 +43,7 @@ pub use crate::kernel::{Attraction, Law};
 pub use contact_parameters::Compact;
 pub use dmt::Dmt;
 pub use hertz::Hertz;
+pub use hysteretic_sum::HystereticSum;
 pub use jkr::Jkr;
 pub use layer::{LAYER_REACH, Layer};
 pub use ramp::{Jump, Ramp, RampCurve};
@@ -154,6 +157,7 @@ impl Contact {
             Model::ShapedHertz(law) => Some(law),
             Model::ShapedDmt(law) => Some(&law.elastic),
             Model::Sum(law) => Some(&law.contact.elastic),
+            Model::HystereticSum(law) => Some(law.elastic()),
             _ => None,
         }
     }
@@ -307,6 +311,7 @@ mod tests {
             "hertz-shaped",
             "dmt-shaped",
             "sum",
+            "sum-hysteretic",
         ];
         assert_eq!(Law::ALL.map(Law::name), names);
         for law in Law::ALL {

@@ -38,15 +38,15 @@ pub struct Ramp {
     /// Of the lever at its tip, N/m.
     pub stiffness_n_per_m: f64,
     pub curves: [RampCurve; 2],
-    /// None where the tip comes into contact smoothly.
+    /// None where the tip comes into contact smoothly; of several that which releases most.
     pub snap_in: Option<Jump>,
-    /// None where it leaves smoothly.
+    /// None where it leaves smoothly; likewise.
     pub pull_off: Option<Jump>,
-    /// What both jumps release in a cycle: the area between the two ways, J.
+    /// What all jumps release in a cycle: the area between the two ways, J.
     pub loss_j: f64,
 }
 
-/// Halvings of an interval, and doublings to come to one: more than a double has digits.
+/// Halvings of an interval: more than a double has digits.
 const HALVINGS: u32 = 200;
 
 impl Contact {
@@ -63,31 +63,31 @@ impl Contact {
     /// ```
     pub fn ramp(&self, stiffness: f64) -> Ramp {
         let bent = Bent { contact: self, stiffness };
-        let (edge, end) = (bent.edge(), bent.end());
-        // Without a memory the branches are one, and what is stable all along is smooth.
-        let jumps = edge < 0.0 || self.law.has_hysteresis();
-        let snap_in =
-            jumps.then(|| bent.jump((edge, false), bent.touching_at(bent.position(edge, false), end)));
-        let pull_off = jumps.then(|| bent.jump((end, true), bent.apart_at(bent.position(end, true), edge)));
-        let released = |jump: Option<Jump>, before: bool| {
-            jump.map_or(0.0, |Jump { indentation_m: [from, to], .. }| {
-                bent.energy(from, before) - bent.energy(to, !before)
-            })
+        let deepest = self.telling_indentation();
+        let law = self.law();
+        let outside = farther(self.outside(deepest), law.release().min(0.0) + law.pull_off() / stiffness);
+        let mut rising: Vec<f64> =
+            outside.into_iter().chain(self.inside(deepest).into_iter().rev()).collect();
+        rising.sort_by(f64::total_cmp);
+        rising.dedup();
+        let (there, jumps_in) = bent.way(CurveBranch::Approach, &rising);
+        rising.reverse();
+        let (back, jumps_out) = bent.way(CurveBranch::Retract, &rising);
+        let released = |all: &[(Jump, f64)]| all.iter().map(|(_, energy)| energy).sum::<f64>();
+        let loss_j = released(&jumps_in) + released(&jumps_out);
+        let largest = |all: Vec<(Jump, f64)>| {
+            all.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).map(|(jump, _)| jump)
         };
-        Ramp {
-            law: self.law,
-            stiffness_n_per_m: stiffness,
-            curves: bent.curves((edge, end), (snap_in, pull_off)),
-            snap_in,
-            pull_off,
-            loss_j: released(snap_in, false) + released(pull_off, true),
-        }
+        let (snap_in, pull_off) = (largest(jumps_in), largest(jumps_out));
+        Ramp { law: self.law, stiffness_n_per_m: stiffness, curves: [there, back], snap_in, pull_off, loss_j }
     }
 }
 
-/// How much farther than where a tip lands a curve begins, and in how many points.
+/// How much farther than where a tip may land a curve begins, and in how many points.
 const FARTHER: f64 = 1.5;
 const FAR_POINTS: u32 = 100;
+/// More than a force has wells.
+const MOST_JUMPS: usize = 64;
 
 /// A contact at the end of a lever.
 struct Bent<'a> {
@@ -96,120 +96,114 @@ struct Bent<'a> {
     stiffness: f64,
 }
 
+/// Indentation, and whether the tip is in contact there by its past.
+type Place = (f64, bool);
+
 impl Bent<'_> {
     /// Where the base stands, m.
-    fn position(&self, delta: f64, touching: bool) -> f64 {
+    fn position(&self, (delta, touching): Place) -> f64 {
         -delta - self.contact.force(delta, touching) / self.stiffness
     }
 
-    fn stable(&self, delta: f64, touching: bool) -> bool {
+    fn stable(&self, (delta, touching): Place) -> bool {
         self.stiffness + self.contact.stiffness(delta, touching) > 0.0
     }
 
     /// Energy of contact and lever, J.
-    fn energy(&self, delta: f64, touching: bool) -> f64 {
+    fn energy(&self, (delta, touching): Place) -> f64 {
         let force = self.contact.force(delta, touching);
         self.contact.energy(delta, touching) + 0.5 * force * force / self.stiffness
     }
 
-    /// Deepest indentation at which a tip that has not touched is stable, m: 0 where it is so up to the surface.
-    fn edge(&self) -> f64 {
-        let nearest = -f64::MIN_POSITIVE;
-        if self.stable(nearest, false) {
-            return 0.0;
+    /// One way of the base along these indentations, with its jumps and the energy (J) that each releases.
+    fn way(&self, branch: CurveBranch, points: &[f64]) -> (RampCurve, Vec<(Jump, f64)>) {
+        let mut touching = branch == CurveBranch::Retract;
+        let (mut places, mut jumps): (Vec<Place>, Vec<(Jump, f64)>) = (Vec::new(), Vec::new());
+        let mut next = 0;
+        while let Some(&delta) = points.get(next).filter(|_| jumps.len() < MOST_JUMPS) {
+            // Contact may change, or the lever lose its hold, before this point.
+            let change =
+                self.level(touching).filter(|_| self.contact.next_contact(delta, touching) != touching);
+            let end = change.unwrap_or(delta);
+            let stable = self.stable((end, touching));
+            if stable && change.is_none() {
+                places.push((delta, touching));
+                next += 1;
+                continue;
+            }
+            let last = places.last().map_or(end, |(last, _)| *last);
+            let held = if stable { end } else { halved((last, end), |delta| self.stable((delta, touching))) };
+            let from = (held, touching);
+            places.push(from);
+            let Some((to, beyond)) = self.landing(from, points, next) else { break };
+            if (to.0 - from.0).abs() > 1e-9 * from.0.abs().max(to.0.abs()) {
+                jumps.push((self.jump(from, to), self.energy(from) - self.energy(to)));
+            }
+            places.push(to);
+            (touching, next) = (to.1, beyond);
         }
-        let far = beyond(-self.contact.radius, |delta| self.stable(delta, false));
-        halved((far, nearest), |delta| self.stable(delta, false))
-    }
-
-    /// Least indentation at which a tip in contact is stable, m: where contact ends if it is so all the way.
-    fn end(&self) -> f64 {
-        let release = self.contact.law().release();
-        if self.stable(release, true) {
-            return release;
-        }
-        let deep = beyond(self.contact.radius, |delta| self.stable(delta, true));
-        halved((deep, release), |delta| self.stable(delta, true))
-    }
-
-    /// The stable state in contact where the base is at `position`; `end` is the last one.
-    fn touching_at(&self, position: f64, end: f64) -> f64 {
-        let deep = beyond(self.contact.radius, |delta| self.position(delta, true) < position);
-        halved((deep, end), |delta| self.position(delta, true) < position)
-    }
-
-    /// The stable state out of contact where the base is at `position`; `edge` is the last one.
-    fn apart_at(&self, position: f64, edge: f64) -> f64 {
-        let far = beyond(-self.contact.radius, |delta| self.position(delta, false) > position);
-        halved((far, edge), |delta| self.position(delta, false) > position)
-    }
-
-    fn jump(&self, (from, touching): (f64, bool), to: f64) -> Jump {
-        Jump {
-            base_position_m: self.position(from, touching),
-            force_n: [self.contact.force(from, touching), self.contact.force(to, !touching)],
-            indentation_m: [from, to],
-        }
-    }
-
-    /// Both ways, with both ends of each jump. What is stable ends at `edge` out of contact and at `end` in it.
-    fn curves(
-        &self,
-        (edge, end): (f64, f64),
-        (snap_in, pull_off): (Option<Jump>, Option<Jump>),
-    ) -> [RampCurve; 2] {
-        let deepest = self.contact.telling_indentation();
-        let (outside, inside) = (self.contact.outside(deepest), self.contact.inside(deepest));
-        let (lands, leaves) =
-            (snap_in.map(|jump| jump.indentation_m[1]), pull_off.map(|jump| jump.indentation_m[1]));
-        let outside = farther(outside, leaves.unwrap_or(0.0));
-        let apart = |limit: f64| outside.iter().copied().filter(move |delta| *delta < limit);
-        let touching = |limit: f64| inside.iter().copied().filter(move |delta| *delta > limit);
-        let out = |delta: f64| (delta, false);
-        let held = |delta: f64| (delta, true);
-        let mut there: Vec<(f64, bool)> = apart(edge).chain([edge]).map(out).collect();
-        let mut rest: Vec<(f64, bool)> = touching(lands.unwrap_or(0.0)).map(held).collect();
-        rest.reverse();
-        there.extend(lands.map(held).into_iter().chain(rest));
-        let mut back: Vec<(f64, bool)> = touching(end).chain([end]).map(held).collect();
-        let mut rest: Vec<(f64, bool)> = apart(leaves.unwrap_or(0.0)).map(out).collect();
-        rest.reverse();
-        back.extend(leaves.map(out).into_iter().chain(rest));
-        [self.way(CurveBranch::Approach, &there), self.way(CurveBranch::Retract, &back)]
-    }
-
-    fn way(&self, branch: CurveBranch, states: &[(f64, bool)]) -> RampCurve {
-        RampCurve {
+        let curve = RampCurve {
             branch,
-            base_position_m: states
-                .iter()
-                .map(|(delta, touching)| self.position(*delta, *touching))
-                .collect(),
-            indentation_m: states.iter().map(|(delta, _)| *delta).collect(),
-            force_n: states.iter().map(|(delta, touching)| self.contact.force(*delta, *touching)).collect(),
+            base_position_m: places.iter().map(|place| self.position(*place)).collect(),
+            indentation_m: places.iter().map(|(delta, _)| *delta).collect(),
+            force_n: places.iter().map(|(delta, touching)| self.contact.force(*delta, *touching)).collect(),
+        };
+        (curve, jumps)
+    }
+
+    /// Where contact changes by the tip's past; nowhere under a law without memory.
+    fn level(&self, touching: bool) -> Option<f64> {
+        let law = self.contact.law();
+        let level = if touching { law.release() } else { law.formation() };
+        self.contact.law.has_hysteresis().then_some(level)
+    }
+
+    /// Where a tip lands that leaves a place while the base stands still, and the first of the points behind there.
+    fn landing(&self, from: Place, points: &[f64], next: usize) -> Option<(Place, usize)> {
+        let base = self.position(from);
+        let inward = points.last() > points.first();
+        let touching = |delta: f64| match self.level(from.1) {
+            Some(level) if (delta >= level) == inward || delta == level => !from.1,
+            _ => from.1,
+        };
+        let reached = |delta: f64| {
+            let place = (delta, touching(delta));
+            let position = self.position(place);
+            // Next to where it left the position is as flat as rounding.
+            self.stable(place) && if inward { position <= base } else { position >= base }
+        };
+        let ahead = |delta: f64| if inward { delta > from.0 } else { delta < from.0 };
+        let mut before = from.0;
+        for (n, &delta) in points.iter().enumerate().skip(next) {
+            if !ahead(delta) {
+                continue;
+            }
+            if reached(delta) {
+                let at = halved((delta, before), reached);
+                return Some(((at, touching(at)), n + usize::from(at == delta)));
+            }
+            before = delta;
+        }
+        None
+    }
+
+    fn jump(&self, from: Place, to: Place) -> Jump {
+        let force = |(delta, touching): Place| self.contact.force(delta, touching);
+        Jump {
+            base_position_m: self.position(from),
+            force_n: [force(from), force(to)],
+            indentation_m: [from.0, to.0],
         }
     }
 }
 
-/// Rising indentations out of contact, with some more at their far end where a tip that lets `go` lands beyond it: a soft
+/// Rising indentations out of contact, with some more at their far end where a tip that lets go may land beyond it: a soft
 /// lever springs far back.
 fn farther(outside: Vec<f64>, go: f64) -> Vec<f64> {
     let Some(&first) = outside.first().filter(|first| FARTHER * go < **first) else { return outside };
     let ratio = (FARTHER * go / first).powf(1.0 / f64::from(FAR_POINTS));
     let more = (1..=FAR_POINTS).rev().map(|n| first * ratio.powi(n as i32));
     more.chain(outside).collect()
-}
-
-/// The first of `start`, twice that, and so on, that `holds`; no more doublings than [`HALVINGS`].
-fn beyond(start: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    let mut at = start;
-    for _ in 0..HALVINGS {
-        if holds(at) {
-            break;
-        }
-        at *= 2.0;
-    }
-    at
 }
 
 /// Where `holds` ends, from a place where it does towards one where it does not: the last double at which it holds.

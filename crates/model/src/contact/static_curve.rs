@@ -58,13 +58,18 @@ impl Contact {
     /// Both branches, down to the indentation `deepest` (m).
     pub fn curves_to(&self, deepest: f64) -> StaticCurves {
         let (outside, inside) = (self.outside(deepest), self.inside(deepest));
-        let release = self.law().release();
+        let (formation, release) = (self.law().formation(), self.law().release());
         let mut approach = Points::new(self, CurveBranch::Approach);
-        outside.iter().for_each(|&delta| approach.push(delta, false));
+        let rising = outside.iter().chain(inside.iter().rev().filter(|delta| **delta >= 0.0));
+        rising.filter(|delta| **delta < formation).for_each(|&delta| approach.push(delta, false));
         if self.law.has_hysteresis() {
-            approach.push(0.0, false);
+            approach.push(formation, false);
         }
-        inside.iter().rev().filter(|&&delta| delta >= 0.0).for_each(|&delta| approach.push(delta, true));
+        inside
+            .iter()
+            .rev()
+            .filter(|&&delta| delta >= formation)
+            .for_each(|&delta| approach.push(delta, true));
 
         let mut retract = Points::new(self, CurveBranch::Retract);
         inside.iter().for_each(|&delta| retract.push(delta, true));
@@ -75,7 +80,8 @@ impl Contact {
     /// Both branches at the indentations given (m), in their order.
     ///
     /// Under JKR the approach is out of contact (no force) at every negative indentation, and the
-    /// retraction has no state beyond the fold: `None` there. The other laws have one branch, told twice.
+    /// retraction has no state beyond the fold: `None` there. So it is with a force that remembers, from where it forms to
+    /// where it breaks. The other laws have one branch, told twice.
     pub fn curves_at(&self, indentations: &[f64]) -> StaticCurves {
         let mut approach = Points::new(self, CurveBranch::Approach);
         let mut retract = Points::new(self, CurveBranch::Retract);
@@ -109,10 +115,12 @@ impl Contact {
             })
             .collect();
         if self.law.has_hysteresis() {
-            // the touch belongs to both branches
-            let place = points.partition_point(|&delta| delta > 0.0);
-            if points.get(place) != Some(&0.0) {
-                points.insert(place, 0.0);
+            // the touch belongs to both branches, and so does the place where contact begins
+            for level in [0.0, self.law().formation()] {
+                let place = points.partition_point(|&delta| delta > level);
+                if points.get(place) != Some(&level) {
+                    points.insert(place, level);
+                }
             }
         }
         points

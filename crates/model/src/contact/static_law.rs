@@ -54,6 +54,10 @@ pub trait StaticLaw {
     fn release(&self) -> f64 {
         0.0
     }
+    /// Indentation at which a contact begins on approach, m.
+    fn formation(&self) -> f64 {
+        0.0
+    }
     /// Indentation at which the force passes through 0 on the contact branch, m.
     fn zero_force(&self) -> f64 {
         0.0

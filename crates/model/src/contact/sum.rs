@@ -32,6 +32,12 @@ impl From<&Compact> for ForceSum {
 }
 
 impl ForceSum {
+    /// The same without the last of the forces beside the contact.
+    pub(super) fn without_last(mut self) -> Self {
+        self.terms[TERMS - 1] = None;
+        self
+    }
+
     /// What the forces beside the contact come to: force, slope, energy.
     fn beside(&self, delta: f64) -> [f64; 3] {
         let add = |sum: [f64; 3], one: [f64; 3]| std::array::from_fn(|n| sum[n] + one[n]);
@@ -39,7 +45,7 @@ impl ForceSum {
     }
 
     /// The least and the largest force between two indentations; not numbers where these are none.
-    fn extremes(&self, low: f64, high: f64) -> [f64; 2] {
+    pub(super) fn extremes(&self, low: f64, high: f64) -> [f64; 2] {
         let reach = self.terms.iter().flatten().fold(self.contact.decay(), |least, term| {
             let inner = ForceTable::numbered(term.table).ends().1.abs().max(1.0);
             least.min(term.length * inner)
@@ -173,7 +179,7 @@ mod tests {
         let mut params = Params::default();
         params.contact.law = LawChoice::Dmt;
         params.contact.outside = vec![
-            OutsideForce::Electrostatic { bias: 1.0, contact_potential: 0.0, cut_off: 1e-9 },
+            OutsideForce::Electrostatic { bias: 1.0, contact_potential: 0.0, cut_off: 1e-9, cone: None },
             OutsideForce::DoubleLayer {
                 tip_charge: 0.01,
                 sample_charge: 0.01,

@@ -33,6 +33,7 @@ mod setpoint_rules;
 mod sweep_section;
 mod synonyms;
 mod table_file;
+mod tabulated_force;
 mod tip_params;
 mod tip_rules;
 mod uncertain_section;

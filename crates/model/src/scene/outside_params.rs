@@ -1,9 +1,7 @@
 //! Forces beside a contact: those that act at a distance, and one given by numbers.
 
-use crate::kernel::LENGTH;
 use crate::kernel::contact::force_table::{self, EXPONENTIAL, ForceTable, INVERSE, Knot};
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 /// Permittivity of the vacuum, F/m.
 const VACUUM: f64 = 8.854_187_812_8e-12;
@@ -13,12 +11,64 @@ pub(super) const WATER: f64 = 78.4;
 /// A force that acts outside contact; inside it keeps its value at touch. SI units; `R` is the tip's radius, `d` the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OutsideForce {
-    /// `-pi eps0 R V^2/(d + cut_off)`, V the bias less the contact potential: a round tip much closer than its radius.
-    Electrostatic { bias: f64, contact_potential: f64, cut_off: f64 },
+    /// `-pi eps0 R V^2/(d + cut_off)`, V the bias less the contact potential: a round tip much closer than its radius; with the
+    /// cone behind it, if that is given.
+    Electrostatic { bias: f64, contact_potential: f64, cut_off: f64, cone: Option<TipCone> },
     /// `4 pi R s_t s_s L/(eps eps0) exp(-d/L)` of two charges per area: Butt (1991).
     DoubleLayer { tip_charge: f64, sample_charge: f64, screening_length: f64, permittivity: f64 },
     /// `F exp(-d/L) cos(2 pi d/period + phase)`, or `2 pi R L p exp(-d/L)` of a pressure p between flat walls.
     Hydration { strength: HydrationStrength, decay_length: f64, period: Option<f64>, phase: f64 },
+    /// A liquid neck, which forms at the distance `forms_at` on the way in and breaks at `breaks_at` on the way out: between
+    /// them `-F/(1 + d/s)^2`, s being `decay_length` or else `forms_at` (after Zitzler et al. 2002), or `-F (1 - d/breaks_at)`.
+    Capillary { strength: f64, forms_at: f64, breaks_at: f64, decay_length: Option<f64>, model: NeckModel },
+}
+
+/// How a liquid neck's force falls off with the distance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NeckModel {
+    InverseSquare,
+    Linear,
+}
+
+impl NeckModel {
+    /// Keywords of `model`.
+    pub(super) const WORDS: [(&str, Self); 2] =
+        [("inverse-square", Self::InverseSquare), ("linear", Self::Linear)];
+}
+
+/// The cone of a tip behind its round end: the angle of its side to the axis, degree, and its height, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TipCone {
+    pub half_angle: f64,
+    pub height: f64,
+}
+
+impl TipCone {
+    /// What it adds to an electrostatic force of this potential (V) under a tip of this radius (m), the charges being `cut_off`
+    /// (m) apart at touch: Hudlet, Saint Jean, Guthmann & Berger (1998), with `a = d + cut_off + R (1 - sin)`,
+    /// `-pi eps0 V^2 (k^2 (ln(height/a) - 1 + R cos^2/(sin a)) - R/a)`, `1/k = ln tan(half_angle/2)`.
+    ///
+    /// The logarithm less 1 counts as nothing from where it would be negative.
+    fn term(self, potential: f64, cut_off: f64, radius: f64) -> TermForce {
+        let (sine, cosine) = self.half_angle.to_radians().sin_cos();
+        let factor = (0.5 * self.half_angle).to_radians().tan().ln().powi(-2);
+        let length = cut_off + radius * (1.0 - sine);
+        let level = (self.height / length).ln() - 1.0;
+        let round = radius * (cosine * cosine / sine - 1.0 / factor) / length;
+        let knots = || {
+            force_table::falling(|x| {
+                let away = 1.0 - x;
+                let left = level - away.ln();
+                let (side, slope) = if left > 0.0 { (left, 1.0 / away) } else { (0.0, 0.0) };
+                (side + round / away, slope + round / (away * away))
+            })
+        };
+        let amplitude = -PI * VACUUM * potential.powi(2) * factor;
+        member(
+            TermForce { amplitude, length, table: INVERSE },
+            ForceTable::member("cone", [level, round], knots),
+        )
+    }
 }
 
 /// How strong hydration is.
@@ -46,10 +96,22 @@ impl TermForce {
     }
 }
 
+/// A force that remembers: it acts from the indentation (m) where it forms, on the way in, to the one where it breaks, on the
+/// way out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NeckForce {
+    pub term: TermForce,
+    pub forms: f64,
+    pub breaks: f64,
+}
+
 impl OutsideForce {
     /// Keywords of `force` in `[[contact.outside]]`.
-    pub(super) const WORDS: [(&str, Self); 3] = [
-        ("electrostatic", Self::Electrostatic { bias: f64::NAN, contact_potential: 0.0, cut_off: f64::NAN }),
+    pub(super) const WORDS: [(&str, Self); 4] = [
+        (
+            "electrostatic",
+            Self::Electrostatic { bias: f64::NAN, contact_potential: 0.0, cut_off: f64::NAN, cone: None },
+        ),
         (
             "double-layer",
             Self::DoubleLayer {
@@ -68,6 +130,16 @@ impl OutsideForce {
                 phase: 0.0,
             },
         ),
+        (
+            "capillary",
+            Self::Capillary {
+                strength: f64::NAN,
+                forms_at: 0.0,
+                breaks_at: f64::NAN,
+                decay_length: None,
+                model: NeckModel::InverseSquare,
+            },
+        ),
     ];
 
     /// Its keyword.
@@ -79,13 +151,47 @@ impl OutsideForce {
 
     /// Whether it is in proportion to the tip's radius.
     pub fn needs_radius(&self) -> bool {
-        !matches!(self, Self::Hydration { strength: HydrationStrength::Force(_), .. })
+        !matches!(
+            self,
+            Self::Hydration { strength: HydrationStrength::Force(_), .. } | Self::Capillary { .. }
+        )
     }
 
-    /// The force under a tip of this radius, m. Where a process has no room for one more table it is no number.
-    pub fn term(&self, radius: f64) -> TermForce {
+    /// Whether it acts only from where it forms to where it breaks.
+    pub fn remembers(&self) -> bool {
+        matches!(self, Self::Capillary { .. })
+    }
+
+    /// The force, if it remembers.
+    pub fn neck(&self) -> Option<NeckForce> {
         match *self {
-            Self::Electrostatic { bias, contact_potential, cut_off } => TermForce {
+            Self::Capillary { forms_at, breaks_at, .. } => {
+                Some(NeckForce { term: self.term(0.0), forms: -forms_at, breaks: -breaks_at })
+            }
+            _ => None,
+        }
+    }
+
+    /// The forces that it is made of under a tip of this radius, m.
+    pub fn terms(&self, radius: f64) -> impl Iterator<Item = TermForce> {
+        let cone = match *self {
+            Self::Electrostatic { bias, contact_potential, cut_off, cone } => {
+                cone.map(|cone| cone.term(bias - contact_potential, cut_off, radius))
+            }
+            _ => None,
+        };
+        std::iter::once(self.term(radius)).chain(cone)
+    }
+
+    /// Of how many forces it is made.
+    pub(super) fn count(&self) -> usize {
+        1 + usize::from(matches!(self, Self::Electrostatic { cone: Some(_), .. }))
+    }
+
+    /// The force of its round end under a tip of this radius, m. Where a process has no room for one more table it is no number.
+    fn term(&self, radius: f64) -> TermForce {
+        match *self {
+            Self::Electrostatic { bias, contact_potential, cut_off, .. } => TermForce {
                 amplitude: -PI * VACUUM * radius * (bias - contact_potential).powi(2) / cut_off,
                 length: cut_off,
                 table: INVERSE,
@@ -112,108 +218,30 @@ impl OutsideForce {
                         (x.exp() * cosine, x.exp() * (cosine + rate * sine))
                     })
                 };
-                match ForceTable::member("hydration", [rate, phase], knots) {
-                    Some(table) => of(amplitude, table),
-                    None => of(f64::NAN, EXPONENTIAL),
-                }
+                member(of(amplitude, EXPONENTIAL), ForceTable::member("hydration", [rate, phase], knots))
+            }
+            Self::Capillary { strength, breaks_at, model: NeckModel::Linear, .. } => {
+                let knots = || {
+                    let touch = Knot { slope_before: 1.0, ..Knot::smooth(0.0, 1.0, 0.0) };
+                    vec![Knot { slope_after: 1.0, ..Knot::smooth(-1.0, 0.0, 0.0) }, touch]
+                };
+                let term = TermForce { amplitude: -strength, length: breaks_at, table: INVERSE };
+                member(term, ForceTable::member("straight", [0.0; 2], knots))
+            }
+            Self::Capillary { strength, forms_at, decay_length, .. } => {
+                let knots = || force_table::falling(|x| ((1.0 - x).powi(-2), 2.0 * (1.0 - x).powi(-3)));
+                let length = decay_length.unwrap_or(forms_at);
+                let term = TermForce { amplitude: -strength, length, table: INVERSE };
+                member(term, ForceTable::member("inverse square", [0.0; 2], knots))
             }
         }
     }
 }
 
-/// A force by numbers over the indentation: cubic between them, monotone where they are.
-#[derive(Debug, PartialEq)]
-pub struct TabulatedForce {
-    /// Indentations, rising, m; one that stands twice is a corner.
-    pub indentations: Vec<f64>,
-    /// N
-    pub forces: Vec<f64>,
-    peak: f64,
-    whole: usize,
-    outside: usize,
-}
-
-impl TabulatedForce {
-    /// From indentations that rise and as many forces, at least two and at most [`force_table::KNOTS`]; none where a process
-    /// has no room for one more table.
-    pub(super) fn new(indentations: Vec<f64>, forces: Vec<f64>) -> Option<Arc<Self>> {
-        let peak = forces.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
-        let peak = if peak > 0.0 { peak } else { 1.0 };
-        let knots = knots(
-            &indentations.iter().map(|place| place / LENGTH).collect::<Vec<_>>(),
-            &forces.iter().map(|force| force / peak).collect::<Vec<_>>(),
-        );
-        let whole = ForceTable::number(&knots)?;
-        let outside = ForceTable::number(&until_touch(&knots, whole))?;
-        Some(Arc::new(Self { indentations, forces, peak, whole, outside }))
+/// The force with this table, which is no number where a process has no room for one more.
+fn member(of: TermForce, table: Option<usize>) -> TermForce {
+    match table {
+        Some(table) => TermForce { table, ..of },
+        None => TermForce { amplitude: f64::NAN, ..of },
     }
-
-    /// All of it, or its part outside contact.
-    pub fn term(&self, whole: bool) -> TermForce {
-        TermForce {
-            amplitude: self.peak,
-            length: LENGTH,
-            table: if whole { self.whole } else { self.outside },
-        }
-    }
-}
-
-/// The knots outside contact; from touch on the force keeps its value.
-fn until_touch(knots: &[Knot], whole: usize) -> Vec<Knot> {
-    let mut outside: Vec<Knot> = knots.iter().copied().filter(|knot| knot.at < 0.0).collect();
-    if outside.len() < knots.len() {
-        let [force, slope, _] = ForceTable::numbered(whole).at(0.0);
-        let slope = knots.iter().find(|knot| knot.at == 0.0).map_or(slope, |knot| knot.slope_before);
-        outside.push(Knot::smooth(0.0, force, slope));
-    }
-    if let Some(last) = outside.last_mut() {
-        last.slope_after = 0.0;
-    }
-    outside
-}
-
-/// Knots with slopes after Fritsch & Butland (SIAM J. Sci. Stat. Comput. 5, 300 (1984)), between corners.
-fn knots(places: &[f64], forces: &[f64]) -> Vec<Knot> {
-    let mut all: Vec<Knot> = Vec::new();
-    let mut from = 0;
-    while from < places.len() {
-        let smooth = (from + 1..places.len()).find(|n| places[*n] == places[n - 1]).unwrap_or(places.len());
-        let slopes = slopes(&places[from..smooth], &forces[from..smooth]);
-        for (n, slope) in slopes.into_iter().enumerate() {
-            match all.last_mut() {
-                Some(corner) if n == 0 => corner.slope_after = slope,
-                _ => all.push(Knot::smooth(places[from + n], forces[from + n], slope)),
-            }
-        }
-        from = smooth;
-    }
-    all
-}
-
-fn slopes(places: &[f64], forces: &[f64]) -> Vec<f64> {
-    let pieces: Vec<(f64, f64)> = (places.windows(2).zip(forces.windows(2)))
-        .map(|(x, f)| (x[1] - x[0], (f[1] - f[0]) / (x[1] - x[0])))
-        .collect();
-    match pieces[..] {
-        [] => return vec![0.0],
-        [(_, slope)] => return vec![slope; 2],
-        _ => {}
-    }
-    // At an end a parabola's slope, no steeper than monotone cubics allow.
-    let end = |(near, own): (f64, f64), (far, next): (f64, f64)| {
-        let slope = ((2.0 * near + far) * own - near * next) / (near + far);
-        match slope * own > 0.0 {
-            false => 0.0,
-            true if own * next < 0.0 && slope.abs() > 3.0 * own.abs() => 3.0 * own,
-            true => slope,
-        }
-    };
-    let inside = pieces.windows(2).map(|two| {
-        let ((before, rise), (after, next)) = (two[0], two[1]);
-        let (one, other) = (2.0 * after + before, after + 2.0 * before);
-        if rise * next > 0.0 { (one + other) / (one / rise + other / next) } else { 0.0 }
-    });
-    let last = pieces.len() - 1;
-    let ends = (end(pieces[0], pieces[1]), end(pieces[last], pieces[last - 1]));
-    std::iter::once(ends.0).chain(inside).chain(std::iter::once(ends.1)).collect()
 }

@@ -6,7 +6,7 @@ use super::draft::Draft;
 use super::outside_section::{self, OUTSIDE, TABLE};
 use super::params::*;
 use super::paths::{HALF_ANGLE, RELAXATION, TIP_SHAPE, VISCOSITIES};
-use super::sample_rules::{beside_law, laws_of};
+use super::sample_rules::{beside_law, exceeding, laws_of};
 use super::scene_error::{Checked, Fault};
 use crate::kernel::contact::TERMS;
 
@@ -45,11 +45,16 @@ pub(super) fn forces_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
             .expected("an elastic sample")
             .help("remove the sample's losses, or this force"));
     }
+    necks_fit(draft, sweep)?;
     let cap = draft.params.instrument.tip.shape == TipShape::SpheroCone;
-    let count = contact.outside.len() + usize::from(contact.table.is_some()) + usize::from(cap);
+    let back = contact.table.as_ref().is_some_and(|table| table.retraction.is_some());
+    let count = contact.outside.iter().map(OutsideForce::count).sum::<usize>()
+        + usize::from(contact.table.is_some())
+        + usize::from(cap)
+        + usize::from(back);
     if count > TERMS {
         return Err(fault("there are too many forces beside the contact", &format!("found {count}"))
-            .expected(format!("at most {TERMS}, with a table and a sphero-cone's contact among them"))
+            .expected(format!("at most {TERMS}, with a table, its way out, the cone of a charged tip and a sphero-cone's contact among them"))
             .help("leave out the weakest"));
     }
     for (n, force) in contact.outside.iter().enumerate() {
@@ -84,6 +89,10 @@ fn force_is_complete(draft: &Draft, n: usize, force: &OutsideForce) -> Checked<(
             format!("`{OUTSIDE}.{n}` needs one of `pressure` and `strength`"),
             "pressure, between flat walls at touch, or strength, the force at touch".to_owned(),
         ),
+        None if says("cone_half_angle") != says("cone_height") => (
+            format!("the cone of `{OUTSIDE}.{n}` is not complete"),
+            "both cone_half_angle and cone_height, or none of them".to_owned(),
+        ),
         None if says("period") && says("pressure") => (
             format!("`{OUTSIDE}.{n}` oscillates, and then needs `strength`"),
             "strength, the force at touch: a pressure between walls gives another phase".to_owned(),
@@ -96,6 +105,54 @@ fn force_is_complete(draft: &Draft, n: usize, force: &OutsideForce) -> Checked<(
         .help("complete its [[contact.outside]]"))
 }
 
+/// At most one force remembers, and it forms no farther away than it breaks.
+fn necks_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
+    let contact = &draft.params.contact;
+    let necks: Vec<usize> = (0..contact.outside.len()).filter(|n| contact.outside[*n].remembers()).collect();
+    let back = contact.table.as_ref().is_some_and(|table| table.retraction.is_some());
+    let fault = |path: &str, title: String| Fault::at(draft.place_of(path), title);
+    if necks.len() + usize::from(back) > 1 {
+        return Err(fault(OUTSIDE, "there is more than one force that remembers".into())
+            .label(format!("found {}", necks.len() + usize::from(back)))
+            .expected("one liquid neck, or a table with a way out of its own")
+            .help("add their forces up in one table"));
+    }
+    let Some(n) = necks.first() else { return Ok(()) };
+    let OutsideForce::Capillary { strength, forms_at, breaks_at, decay_length, model } = contact.outside[*n]
+    else {
+        return Ok(());
+    };
+    let path = |key: &str| format!("{OUTSIDE}.{n}.{key}");
+    let [force, forms, breaks, decay] = ["strength", "forms_at", "breaks_at", "decay_length"].map(path);
+    if let Some((forming, breaking)) = exceeding(sweep, (&forms, forms_at), (&breaks, breaks_at)) {
+        return Err(fault(&forms, "the neck breaks before it forms".into())
+            .label(format!("found forms_at {forming:e} m beyond breaks_at {breaking:e} m"))
+            .expected("breaks_at at least as large as forms_at in every case of the scene")
+            .help("on the way in a neck forms at forms_at, on the way out it breaks at breaks_at"));
+    }
+    if let Some((_, least)) = exceeding(sweep, ("", 0.0), (&force, strength)) {
+        return Err(fault(&force, "the neck pushes".into())
+            .label(format!("found {least:e} N"))
+            .expected("a strength of 0 or more, the pull at touch")
+            .help("leave the minus out"));
+    }
+    let own = draft.first_of(&[&decay]).is_some();
+    let at_touch = exceeding(sweep, ("", f64::MIN_POSITIVE), (&forms, forms_at)).is_some();
+    match model {
+        NeckModel::Linear if own => Err(fault(&decay, format!("`{decay}` has no effect here"))
+            .label("a linear neck's force ends where it breaks")
+            .expected("what changes the result")
+            .help("remove it, or take model = \"inverse-square\"")),
+        NeckModel::InverseSquare if at_touch && decay_length.is_none() && !own => {
+            Err(fault(OUTSIDE, format!("`{OUTSIDE}.{n}` needs `decay_length` or `forms_at`"))
+                .label("nothing says how fast its force falls off")
+                .expected("decay_length, or forms_at above 0 which stands for it")
+                .help("add one of them, or take model = \"linear\""))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Each decay length, period and phase of an oscillating force makes a table, and each half-angle of a sphero-cone.
 fn shapes_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let oscillates = |n: usize| {
@@ -104,15 +161,21 @@ fn shapes_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let keys = (0..TERMS).filter(|n| oscillates(*n));
     let waves =
         keys.flat_map(|n| ["decay_length", "period", "phase"].map(|key| format!("{OUTSIDE}.{n}.{key}")));
+    let cones =
+        (0..TERMS).filter(|n| draft.params.contact.outside.get(*n).is_some_and(|force| force.count() > 1));
+    let cones = cones.flat_map(|n| {
+        let own = ["cut_off", "cone_half_angle", "cone_height"].map(|key| format!("{OUTSIDE}.{n}.{key}"));
+        own.into_iter().chain(["instrument.tip.radius".to_owned()])
+    });
     let cap = draft.params.instrument.tip.shape == TipShape::SpheroCone;
     let mut count = 1usize;
-    for path in waves.chain(cap.then(|| HALF_ANGLE.to_owned())) {
+    for path in waves.chain(cones).chain(cap.then(|| HALF_ANGLE.to_owned())) {
         let Some(axis) = sweep.quantities().find(|axis| axis.path == path) else { continue };
         count = count.saturating_mul(axis.values.len());
         if count > SHAPES {
             return Err(Fault::at(draft.place_of(&path), "the scene has too many tabulated forces")
                 .label(format!("found {count} different ones"))
-                .expected(format!("at most {SHAPES}: each half-angle of a sphero-cone makes one, and each decay length, period and phase of a force that oscillates"))
+                .expected(format!("at most {SHAPES}: each half-angle of a sphero-cone makes one, each decay length, period and phase of a force that oscillates, and each shape of a charged tip's cone"))
                 .help("take fewer values, or vary the strength instead"));
         }
     }

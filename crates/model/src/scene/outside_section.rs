@@ -4,6 +4,7 @@ use super::address::Address;
 use super::draft::Draft;
 use super::params::*;
 use super::scene_error::{Checked, Fault};
+use super::tabulated_force::RetractionFault;
 use super::values::{self, Key, Value};
 use crate::kernel::LENGTH;
 use crate::kernel::contact::TERMS;
@@ -14,20 +15,22 @@ use std::sync::Arc;
 
 pub(super) const OUTSIDE: &str = "contact.outside";
 pub(super) const TABLE: &str = "contact.table";
-const FORM: &str =
-    "sections [[contact.outside]], each with force = \"electrostatic\", \"double-layer\" or \"hydration\"";
-const COLUMNS: &str = "columns `distance [nm]` or `indentation [nm]`, and `force [nN]`";
+const FORM: &str = "sections [[contact.outside]], each with force = \"electrostatic\", \"double-layer\", \"hydration\" or \"capillary\"";
+const COLUMNS: &str = "columns `distance [nm]` or `indentation [nm]`, `force [nN]`, and `force_retract [nN]` if it differs on the way out";
 /// A table that ends far away with more than this share of its largest force lacks a part.
 const FAR_SHARE: f64 = 1e-3;
 
 /// Keys of a force that are quantities, the needed ones first, and how many are needed.
 pub(super) fn keys(force: &OutsideForce) -> (&'static [&'static str], usize) {
     match force {
-        OutsideForce::Electrostatic { .. } => (&["bias", "cut_off", "contact_potential"], 2),
+        OutsideForce::Electrostatic { .. } => {
+            (&["bias", "cut_off", "contact_potential", "cone_half_angle", "cone_height"], 2)
+        }
         OutsideForce::DoubleLayer { .. } => {
             (&["tip_charge", "sample_charge", "screening_length", "permittivity"], 3)
         }
         OutsideForce::Hydration { .. } => (&["decay_length", "pressure", "strength", "period", "phase"], 1),
+        OutsideForce::Capillary { .. } => (&["strength", "breaks_at", "forms_at", "decay_length"], 2),
     }
 }
 
@@ -54,9 +57,19 @@ impl Draft {
             let force = values::keyword(word, &format!("{path}.force"), &OutsideForce::WORDS)?;
             self.params.contact.outside.push(force);
             let (known, _) = keys(&force);
-            let all: Vec<&str> = std::iter::once("force").chain(known.iter().copied()).collect();
+            let words: &[&str] = if force.remembers() { &["force", "model"] } else { &["force"] };
+            let all: Vec<&str> = words.iter().chain(known).copied().collect();
             for (key, value) in table.iter().filter(|(key, _)| key.get_ref() != "force") {
                 let own = format!("{path}.{}", key.get_ref());
+                if words.contains(&key.get_ref().as_ref()) {
+                    let read = values::keyword(value, &own, &NeckModel::WORDS);
+                    if let (Some(word), Some(OutsideForce::Capillary { model, .. })) =
+                        (self.faults.take(read), self.params.contact.outside.last_mut())
+                    {
+                        *model = word;
+                    }
+                    continue;
+                }
                 let read = match Address::find(&own).filter(|_| known.contains(&key.get_ref().as_ref())) {
                     None => Err(values::unknown_key(key, &path, &all)),
                     Some(address) => values::quantity(value, address, &own).map(|number| (address, number)),
@@ -72,23 +85,44 @@ impl Draft {
 
     /// Reads the table, from a file or from lists.
     pub(super) fn table(&mut self, key: &Key, value: &Value) -> Checked<()> {
-        let (places, forces) = match value.get_ref().as_str() {
+        let rows = match value.get_ref().as_str() {
             Some(name) => self.file(name, value)?,
             None => lists(value)?,
         };
-        let (indentations, forces) = ordered(places, forces, value.span())?;
-        let Some(table) = TabulatedForce::new(indentations, forces) else {
-            return Err(Fault::at(value.span(), "there is no room for one more table of forces")
-                .label("this process has used very many different ones")
-                .expected("at most some 4,000 in a process")
-                .help("start anew"));
+        let ForceRows { places, forces, back } = ordered(rows, value.span())?;
+        let fault = |title: &str, label: &str| Fault::at(value.span(), title).label(label);
+        let full = || {
+            fault(
+                "there is no room for one more table of forces",
+                "this process has used very many different ones",
+            )
+            .expected("at most some 4,000 in a process")
+            .help("start anew")
         };
-        self.params.contact.table = Some(table);
+        let table = TabulatedForce::new(places, forces).ok_or_else(full)?;
+        let table = match back {
+            None => table,
+            Some(back) => table.with_retraction(back).map_err(|reason| match reason {
+                RetractionFault::NoRoom => full(),
+                RetractionFault::Gains => {
+                    fault("the way out gives back more work than the way in takes", "`force_retract` lies above `force`")
+                        .expected("a force on the way out that pulls more, or pushes less, than on the way in")
+                        .help("exchange the two columns, if `force` is the retraction")
+                }
+                RetractionFault::ApartInside | RetractionFault::ApartFar => {
+                    let place = if reason == RetractionFault::ApartFar { "farthest" } else { "innermost" };
+                    fault("the two ways of the table of forces do not meet", &format!("they differ at the {place} place"))
+                        .expected("forces that are the same, to a thousandth of the largest, at both ends")
+                        .help("add rows up to where they meet: the way out begins there, once the tip has been so deep")
+                }
+            })?,
+        };
+        self.params.contact.table = Some(Arc::new(table));
         self.say(TABLE.to_owned(), key.span());
         Ok(())
     }
 
-    fn file(&self, name: &str, value: &Value) -> Checked<(Vec<f64>, Vec<f64>)> {
+    fn file(&self, name: &str, value: &Value) -> Checked<ForceRows> {
         let fault = |title: String, label: String| {
             Fault::at(value.span(), title).label(label).expected(format!("a CSV file with {COLUMNS}"))
         };
@@ -108,8 +142,8 @@ impl Draft {
                 .help("check quotes and commas there")
         };
         let header = reader.headers().map_err(unreadable)?.clone();
-        let [place, force] = columns(name, &header, &fault)?;
-        let mut all = (Vec::new(), Vec::new());
+        let (place, force, back) = columns(name, &header, &fault)?;
+        let mut all = ForceRows { back: back.is_some().then(Vec::new), ..ForceRows::default() };
         for record in reader.records() {
             let record = record.map_err(unreadable)?;
             let line = record.position().map_or(0, csv::Position::line);
@@ -124,23 +158,34 @@ impl Draft {
                     .help("write a finite number there, or remove the line")),
                 }
             };
-            all.0.push(number(&place, Dimension::Length)?);
-            all.1.push(number(&force, Dimension::Force)?);
+            all.places.push(number(&place, Dimension::Length)?);
+            all.forces.push(number(&force, Dimension::Force)?);
+            if let (Some(forces), Some(back)) = (&mut all.back, &back) {
+                forces.push(number(back, Dimension::Force)?);
+            }
         }
         Ok(all)
     }
 }
 
+/// The rows of a table: indentations, m, forces on the way in, N, and on the way out, if they differ.
+#[derive(Default)]
+struct ForceRows {
+    places: Vec<f64>,
+    forces: Vec<f64>,
+    back: Option<Vec<f64>>,
+}
+
 /// A column of the file: its number, the unit of its numbers, and their sign.
 type ForceColumn = (usize, String, f64);
 
-/// Which columns the file has: those of places and of forces.
+/// Which columns the file has: those of places, of forces, and of forces on the way out.
 fn columns(
     name: &str,
     header: &csv::StringRecord,
     fault: &dyn Fn(String, String) -> Box<Fault>,
-) -> Checked<[ForceColumn; 2]> {
-    let mut columns: [Option<ForceColumn>; 2] = [None, None];
+) -> Checked<(ForceColumn, ForceColumn, Option<ForceColumn>)> {
+    let mut columns: [Option<ForceColumn>; 3] = [None, None, None];
     for (number, cell) in header.iter().enumerate() {
         let (word, unit) =
             cell.strip_suffix(']').and_then(|head| head.rsplit_once('[')).unwrap_or((cell, ""));
@@ -148,13 +193,7 @@ fn columns(
             "indentation" => (0, Dimension::Length, 1.0),
             "distance" => (0, Dimension::Length, -1.0),
             "force" => (1, Dimension::Force, 1.0),
-            "force_retract" => {
-                return Err(fault(
-                    format!("the table {name} has a column `force_retract`"),
-                    "a force that differs on the way out is not known yet".into(),
-                )
-                .help("remove the column"));
-            }
+            "force_retract" => (2, Dimension::Force, 1.0),
             _ => {
                 return Err(fault(
                     format!("column {} of the table {name} is not known", number + 1),
@@ -172,28 +211,27 @@ fn columns(
                 ),
                 format!("found `{}`", shortened(cell)),
             )
-            .help("give one column of places and one of forces, each with its unit in brackets"));
+            .help("give each column once, with its unit in brackets"));
         }
         columns[place] = Some((number, unit.to_owned(), sign));
     }
-    let [Some(place), Some(force)] = columns else {
+    let [Some(place), Some(force), back] = columns else {
         return Err(fault(
             format!("the table {name} lacks a column"),
             format!("found {} columns", header.len()),
         )
         .help("name the columns in its first line"));
     };
-    Ok([place, force])
+    Ok((place, force, back))
 }
 
 /// `{ indentation = [...], force = [...] }`, or with `distance`.
-fn lists(value: &Value) -> Checked<(Vec<f64>, Vec<f64>)> {
+fn lists(value: &Value) -> Checked<ForceRows> {
     const LISTS: &str = "the name of a file, or lists such as { distance = [\"5 nm\", \"1 nm\"], force = [\"0 nN\", \"-1 nN\"] }";
     let table = values::table(value, TABLE, LISTS)?;
-    if let Some(key) =
-        table.keys().find(|key| !["indentation", "distance", "force"].contains(&key.get_ref().as_ref()))
-    {
-        return Err(values::unknown_key(key, TABLE, &["indentation", "distance", "force"]));
+    const KEYS: [&str; 4] = ["indentation", "distance", "force", "force_retract"];
+    if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.get_ref().as_ref())) {
+        return Err(values::unknown_key(key, TABLE, &KEYS));
     }
     let list = |key: &str, dimension| {
         let path = format!("{TABLE}.{key}");
@@ -215,30 +253,39 @@ fn lists(value: &Value) -> Checked<(Vec<f64>, Vec<f64>)> {
         (None, Some(places)) => Some(places.into_iter().map(|place| -place).collect()),
         _ => None,
     };
+    let back = list("force_retract", Dimension::Force)?;
     match (places, list("force", Dimension::Force)?) {
-        (Some(places), Some(forces)) if places.len() == forces.len() => Ok((places, forces)),
+        (Some(places), Some(forces))
+            if places.len() == forces.len()
+                && back.as_ref().is_none_or(|back| back.len() == forces.len()) =>
+        {
+            Ok(ForceRows { places, forces, back })
+        }
         _ => Err(Fault::at(value.span(), "the table of forces is not complete")
-            .label("it has one list of places and one of forces, both as long")
+            .label("it has one list of places and one or two of forces, all as long")
             .expected(LISTS)
             .help("give `distance` or `indentation`, and `force`")),
     }
 }
 
 /// Places that rise, with their forces.
-fn ordered(mut places: Vec<f64>, mut forces: Vec<f64>, at: Range<usize>) -> Checked<(Vec<f64>, Vec<f64>)> {
+fn ordered(mut all: ForceRows, at: Range<usize>) -> Checked<ForceRows> {
     let fault = |title: &str, label: String| Fault::at(at.clone(), title).label(label);
-    let rows = places.len();
+    let rows = all.places.len();
     if !(4..KNOTS).contains(&rows) {
         return Err(fault("the table of forces has too few or too many rows", format!("found {rows}"))
             .expected(format!("4 to {} rows", KNOTS - 1))
             .help("thin it out, most where the force is straight"));
     }
-    if places[0] > places[rows - 1] {
-        places.reverse();
-        forces.reverse();
+    if all.places[0] > all.places[rows - 1] {
+        all.places.reverse();
+        all.forces.reverse();
+        all.back.iter_mut().for_each(|back| back.reverse());
     }
+    let (places, forces) = (&all.places, &all.forces);
     for n in 1..rows {
-        let corner = places[n] == places[n - 1] && forces[n] == forces[n - 1];
+        let back = all.back.as_ref().is_none_or(|back| back[n] == back[n - 1]);
+        let corner = places[n] == places[n - 1] && forces[n] == forces[n - 1] && back;
         let third = n > 1 && places[n] == places[n - 2];
         // In the kernel's units they must differ too.
         if !(places[n] - places[n - 1] > 1e-9 * LENGTH || (corner && !third && n + 1 < rows && n > 1)) {
@@ -261,7 +308,7 @@ fn ordered(mut places: Vec<f64>, mut forces: Vec<f64>, at: Range<usize>) -> Chec
         .expected(format!("a force of at most {FAR_SHARE:e} of the largest"))
         .help("let it begin farther away; subtract the baseline of a measured curve"));
     }
-    Ok((places, forces))
+    Ok(all)
 }
 
 /// How the table stands in the resolved scene.
@@ -271,8 +318,11 @@ pub(super) fn written(table: &Arc<TabulatedForce>) -> String {
             values.iter().map(|value| format!("\"{}\"", units::format(*value, dimension))).collect();
         all.join(", ")
     };
+    let back = table.retraction.as_ref().map_or_else(String::new, |retraction| {
+        format!(", force_retract = [{}]", list(&retraction.forces, Dimension::Force))
+    });
     format!(
-        "table = {{ indentation = [{}], force = [{}] }}",
+        "table = {{ indentation = [{}], force = [{}]{back} }}",
         list(&table.indentations, Dimension::Length),
         list(&table.forces, Dimension::Force)
     )

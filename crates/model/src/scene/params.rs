@@ -5,7 +5,8 @@
 //! `ha-fung-chen-2005`: Table 1 and the run of section 4 of J.-L. Ha,
 //! R.-F. Fung, Y.-C. Chen, J. Dyn. Syst. Meas. Control 127(4), 705-709 (2005).
 
-pub use super::outside_params::{HydrationStrength, OutsideForce, TabulatedForce, TermForce};
+pub use super::outside_params::{HydrationStrength, NeckForce, NeckModel, OutsideForce, TermForce, TipCone};
+pub use super::tabulated_force::TabulatedForce;
 pub use super::tip_params::*;
 use crate::kernel::{Attraction, Law};
 use std::sync::Arc;

@@ -106,25 +106,65 @@ macro_rules! outside {
     };
 }
 
-/// How strong hydration is, in one of two ways.
-macro_rules! strength {
-    ($variant:ident) => {
+/// The cone behind a charged tip.
+macro_rules! cone {
+    ($member:ident) => {
         Access {
             get: |params, index| match params.contact.outside.get(index) {
-                Some(OutsideForce::Hydration { strength: HydrationStrength::$variant(value), .. }) => {
-                    Some(*value)
+                Some(OutsideForce::Electrostatic { cone: Some(cone), .. }) => {
+                    Some(cone.$member).filter(|value| !value.is_nan())
                 }
                 _ => None,
             },
             set: |params, index, value| {
-                if let Some(OutsideForce::Hydration { strength, .. }) = params.contact.outside.get_mut(index)
+                if let Some(OutsideForce::Electrostatic { cone, .. }) = params.contact.outside.get_mut(index)
                 {
-                    *strength = HydrationStrength::$variant(value);
+                    let unknown = TipCone { half_angle: f64::NAN, height: f64::NAN };
+                    cone.get_or_insert(unknown).$member = value;
                 }
             },
         }
     };
 }
+
+/// Hydration's pressure, which stands in place of its strength.
+const PRESSURE: Access = Access {
+    get: |params, index| match params.contact.outside.get(index) {
+        Some(OutsideForce::Hydration { strength: HydrationStrength::Pressure(value), .. }) => Some(*value),
+        _ => None,
+    },
+    set: |params, index, value| {
+        if let Some(OutsideForce::Hydration { strength, .. }) = params.contact.outside.get_mut(index) {
+            *strength = HydrationStrength::Pressure(value);
+        }
+    },
+};
+/// The force at touch of hydration, or of a liquid neck.
+const STRENGTH: Access = Access {
+    get: |params, index| match params.contact.outside.get(index) {
+        Some(OutsideForce::Hydration { strength: HydrationStrength::Force(value), .. }) => Some(*value),
+        Some(OutsideForce::Capillary { strength, .. }) => Some(*strength),
+        _ => None,
+    },
+    set: |params, index, value| match params.contact.outside.get_mut(index) {
+        Some(OutsideForce::Hydration { strength, .. }) => *strength = HydrationStrength::Force(value),
+        Some(OutsideForce::Capillary { strength, .. }) => *strength = value,
+        _ => {}
+    },
+};
+/// The decay length of hydration, or of a liquid neck that has one of its own.
+const DECAY: Access = Access {
+    get: |params, index| match params.contact.outside.get(index) {
+        Some(OutsideForce::Hydration { decay_length, .. }) => Some(*decay_length),
+        Some(OutsideForce::Capillary { decay_length, .. }) => *decay_length,
+        _ => None,
+    },
+    set: |params, index, value| match params.contact.outside.get_mut(index) {
+        Some(OutsideForce::Hydration { decay_length, .. }) => *decay_length = value,
+        Some(OutsideForce::Capillary { decay_length, .. }) => *decay_length = Some(value),
+        _ => {}
+    },
+};
 
 const PERIOD: Access = Access {
     get: |params, index| match params.contact.outside.get(index) {
@@ -290,6 +330,10 @@ quantities! {
         "force # contact potential", Voltage, Finite, [1e-3, 10.0], [1e-9, 1e4];
     "contact.outside.#.cut_off", outside!(Electrostatic, cut_off),
         "force # distance of the charges at touch", Length, Positive, [1e-11, 1e-7], [1e-13, 1e-3];
+    "contact.outside.#.cone_half_angle", cone!(half_angle),
+        "force # angle of the cone's side to its axis", Angle, Positive, [5.0, 45.0], [1.0, 80.0];
+    "contact.outside.#.cone_height", cone!(height),
+        "force # height of the cone", Length, Positive, [1e-6, 1e-4], [1e-9, 1e-2];
     "contact.outside.#.tip_charge", outside!(DoubleLayer, tip_charge),
         "force # charge of the tip per area", SurfaceCharge, Finite, [1e-6, 1.0], [1e-9, 100.0];
     "contact.outside.#.sample_charge", outside!(DoubleLayer, sample_charge),
@@ -298,12 +342,16 @@ quantities! {
         "force # Debye length", Length, Positive, [1e-10, 1e-6], [1e-12, 1e-4];
     "contact.outside.#.permittivity", outside!(DoubleLayer, permittivity),
         "force # relative permittivity", Dimensionless, Positive, [1.0, 200.0], [0.1, 1e4];
-    "contact.outside.#.pressure", strength!(Pressure),
+    "contact.outside.#.pressure", PRESSURE,
         "force # pressure between flat walls at touch", Pressure, Finite, [1e3, 1e10], [1.0, 1e13];
-    "contact.outside.#.strength", strength!(Force),
+    "contact.outside.#.strength", STRENGTH,
         "force # at touch", Force, Finite, [1e-13, 1e-6], [1e-17, 1e-2];
-    "contact.outside.#.decay_length", outside!(Hydration, decay_length),
+    "contact.outside.#.decay_length", DECAY,
         "force # decay length", Length, Positive, [1e-11, 1e-7], [1e-13, 1e-4];
+    "contact.outside.#.forms_at", outside!(Capillary, forms_at),
+        "force # distance where the neck forms", Length, NonNegative, [1e-11, 1e-6], [1e-13, 1e-3];
+    "contact.outside.#.breaks_at", outside!(Capillary, breaks_at),
+        "force # distance where the neck breaks", Length, Positive, [1e-11, 1e-6], [1e-13, 1e-3];
     "contact.outside.#.period", PERIOD,
         "force # period", Length, Positive, [1e-11, 1e-7], [1e-13, 1e-4];
     "contact.outside.#.phase", outside!(Hydration, phase),

@@ -76,28 +76,31 @@ pub(super) fn relaxation_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
             .expected("law = \"hertz\" in [contact]")
             .help("set it, or remove instantaneous_modulus and relaxation_time"));
     }
-    let values = |path: &str, base: f64| match sweep.quantities().find(|axis| axis.path == path) {
-        Some(axis) => axis.values.to_vec(),
-        None => vec![base],
-    };
     let Viscosity::Relaxing { modulus, .. } = draft.params.sample.viscosity else { return Ok(()) };
-    let relaxed = values("sample.youngs_modulus", draft.params.sample.youngs_modulus);
-    let at_once = values(RELAXATION[0], modulus);
-    let stiffens = match vary_together(sweep, "sample.youngs_modulus", RELAXATION[0]) {
-        true => relaxed.into_iter().zip(at_once).find(|(relaxed, at_once)| at_once < relaxed),
-        false => {
-            let most = relaxed.into_iter().fold(0.0, f64::max);
-            let least = at_once.into_iter().fold(f64::INFINITY, f64::min);
-            (least < most).then_some((most, least))
-        }
-    };
-    if let Some((most, least)) = stiffens {
+    let relaxed = ("sample.youngs_modulus", draft.params.sample.youngs_modulus);
+    if let Some((most, least)) = exceeding(sweep, relaxed, (RELAXATION[0], modulus)) {
         return Err(Fault::at(said.key.clone(), "a sample cannot stiffen as it relaxes")
             .label(format!("found instantaneous_modulus {least:.4e} Pa below youngs_modulus {most:.4e} Pa"))
             .expected("instantaneous_modulus at least as large as youngs_modulus in every case of the scene")
             .help("youngs_modulus is the modulus after a while, instantaneous_modulus that at once"));
     }
     Ok(())
+}
+
+/// The values of two quantities, each given by its path and its value where it is not swept, in a case of the scene in which the
+/// first is larger than the second.
+pub(super) fn exceeding(sweep: &SweptAxes, one: (&str, f64), other: (&str, f64)) -> Option<(f64, f64)> {
+    let values = |(path, base): (&str, f64)| match sweep.quantities().find(|axis| axis.path == path) {
+        Some(axis) => axis.values.to_vec(),
+        None => vec![base],
+    };
+    let (all, others) = (values(one), values(other));
+    if vary_together(sweep, one.0, other.0) {
+        return all.into_iter().zip(others).find(|(one, other)| one > other);
+    }
+    let most = all.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let least = others.into_iter().fold(f64::INFINITY, f64::min);
+    (most > least).then_some((most, least))
 }
 
 /// Whether each value of one quantity goes with one value of the other, as the columns of a list do.

@@ -123,6 +123,9 @@ impl Scene {
         }
         for (index, force) in contact.outside.iter().enumerate() {
             writeln!(text, "\n[[contact.outside]]\nforce = {}", quoted(force.word()))?;
+            if let OutsideForce::Capillary { model, .. } = force {
+                writeln!(text, "model = {}", word(&NeckModel::WORDS, *model))?;
+            }
             for key in outside_section::keys(force).0 {
                 if let Some(address) = Address::find(&format!("contact.outside.{index}.{key}"))
                     && let Some(value) = address.get(&self.base)

@@ -9,7 +9,7 @@ use super::design_section::{KEYS as DESIGN_KEYS, LEVELS, MOST_LEVELS};
 use super::json_schema::{list, object, text, unique, whole, with_required, word};
 use super::levers;
 use super::output::{ALL, BRANCHES, KEYS, OUTPUT_KEYS, SPECTRUM_KEYS, STARTS, WAVEFORM_KEYS, WAYS};
-use super::params::{LawChoice, OutsideForce, Params, TipShape};
+use super::params::{LawChoice, NeckModel, OutsideForce, Params, TipShape};
 use super::paths::LAW;
 use super::quantities::QUANTITIES;
 use super::quantity::{Domain, Quantity};
@@ -149,7 +149,9 @@ impl Texts<'_> {
             let (known, _) = outside_section::keys(force);
             let all = self.quantities("contact.outside.#");
             let own = all.into_iter().filter(|(key, _)| known.contains(&key.as_str()));
-            let properties = own.chain([("force".to_owned(), json!({ "const": word }))]).collect();
+            let model = force.remembers().then(|| ("model".to_owned(), self::word(&NeckModel::WORDS)));
+            let properties =
+                own.chain([("force".to_owned(), json!({ "const": word }))]).chain(model).collect();
             with_required(properties, &["force"])
         };
         let forces: Vec<Value> = OutsideForce::WORDS.iter().map(force).collect();
@@ -217,7 +219,7 @@ impl Texts<'_> {
 fn force_lists() -> Value {
     let column = || json!({ "type": "array", "minItems": 4, "maxItems": KNOTS - 1, "items": text() });
     let of = |place: &str| {
-        let columns = [place, "force"].map(|key| (key.to_owned(), column()));
+        let columns = [place, "force", "force_retract"].map(|key| (key.to_owned(), column()));
         with_required(columns.into_iter().collect(), &[place, "force"])
     };
     json!({ "anyOf": [of("indentation"), of("distance")] })

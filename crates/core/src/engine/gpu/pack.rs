@@ -119,7 +119,7 @@ impl<'a> Driven<'a> {
         let mut all: Vec<f64> = gap_and_law(one).collect();
         let law = one.0.contact.law;
         let fields = law.fields().iter().zip(&mut all[1..]);
-        for (_, number) in fields.filter(|(name, _)| law.has_tables() && name.starts_with("table_")) {
+        for (_, number) in fields.filter(|(name, _)| law.is_sum() && name.starts_with("table_")) {
             *number = self.force_tables.binary_search(&(*number as usize)).unwrap_or(0) as f64;
         }
         all

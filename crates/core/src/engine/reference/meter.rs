@@ -87,7 +87,7 @@ impl Meter {
 
     /// Records an indentation passed at a rate (m per rad), the law's memory being this.
     pub fn see(&mut self, system: &System, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2]) {
-        let force = system.force.at(delta, || rate() * system.omega, memory, system.touching);
+        let force = system.force.at(delta, || rate() * system.omega, memory, system.branch);
         self.deepest = self.deepest.max(delta);
         self.force_min = self.force_min.min(force);
         self.force_max = self.force_max.max(force);
@@ -100,7 +100,7 @@ impl Meter {
         let inside = turns.iter().map(|u| (piece.indentation(system, *u).0, *u));
         for (delta, u) in inside.chain([(last, 1.0)]) {
             self.see(system, delta, || piece.indentation(system, u).1, piece.memory(u));
-            if let (true, Some(pull)) = (system.touching, system.force.deepest_pull())
+            if let (true, Some(pull)) = (system.branch.touching, system.force.deepest_pull())
                 && (before - pull) * (delta - pull) < 0.0
             {
                 // The law ignores the rate.
@@ -110,15 +110,15 @@ impl Meter {
         }
         if system.force.is_viscous() {
             self.pass_viscous(system, piece);
-        } else if system.touching {
+        } else if system.branch.touching {
             self.time += piece.h;
         }
-        self.touched |= system.touching;
+        self.touched |= system.branch.touching;
     }
 
     /// Adds the contact and the extreme forces of a step under a law that depends on the rate.
     fn pass_viscous(&mut self, system: &System, piece: &DenseStep) {
-        if !system.touching {
+        if !system.branch.touching {
             self.pressed = Some(false);
             return;
         }
@@ -129,7 +129,7 @@ impl Meter {
         };
         let force = |u: f64| {
             let (delta, rate) = piece.indentation(system, u);
-            system.force.at(delta, || rate * system.omega, piece.memory(u), true)
+            system.force.at(delta, || rate * system.omega, piece.memory(u), system.branch)
         };
         for n in 0..VISCOUS_PIECES {
             let (from, to) = (share(n), share(n + 1));

@@ -11,6 +11,7 @@ mod line_search;
 mod meter;
 mod reference_fixed_point;
 mod reference_force;
+mod reference_neck;
 mod step_control;
 mod system;
 mod tableau;

@@ -57,12 +57,11 @@ pub fn solve_near(
     progress: &Progress,
 ) -> Result<Option<Finished>, EngineError> {
     let (case, driven) = options.checked(plan, instance)?;
-    let mut system = System::new(&case, driven, Start::Steady, options.model, far(options.tolerance));
+    let system = System::new(&case, driven, Start::Steady, options.model, far(options.tolerance));
     if system.modes() == 0 {
         return Err(EngineError::NoModes);
     }
     let (all, slow) = unknowns(&system, &case, driven, station);
-    system.touching = station.touching;
     let remembers = case.contact.law.has_hysteresis();
     let (scale, accuracy) = (system.length(), plan.run.accuracy);
     let step = if remembers { FD_STEP_ROUGH } else { FD_STEP_SMOOTH };
@@ -277,14 +276,17 @@ impl Map {
         self.walk.y[..size].copy_from_slice(state.as_slice());
         let system = &mut self.walk.system;
         let delta = system.indentation_of(0.0, state.as_slice()).0;
-        system.touching = if self.remembers { self.touching } else { system.force.touching_at(delta) };
+        system.branch = match self.remembers {
+            true => system.force.branch_after(delta, self.touching),
+            false => system.force.branch_at(delta),
+        };
     }
 
     /// All unknowns a period later.
     fn period(&mut self, state: &DVector<f64>) -> Option<DVector<f64>> {
         self.begin(state);
         let finite = self.walk.period(0, None);
-        let same = !self.remembers || self.walk.system.touching == self.touching;
+        let same = !self.remembers || self.walk.system.past() == self.touching;
         (finite && same).then(|| DVector::from_column_slice(&self.walk.y[..state.len()]))
     }
 

@@ -1,11 +1,11 @@
 //! The contact laws again, in forms of their own: nothing here shares code with `contact` or the kernel.
 
 use super::indenter::Indenter;
+use super::reference_neck::{Branch, ReferenceNeck, beside, beside_contact};
 use crate::contact::{Contact, Law};
 use crate::kernel::LENGTH;
 use crate::kernel::contact::TERMS;
-use crate::kernel::contact::force_table::{EXPONENTIAL, ForceTable, INVERSE};
-use crate::scene::{LawChoice, TermForce, TipShape};
+use crate::scene::{LawChoice, TermForce};
 use std::f64::consts::PI;
 
 /// A law with its constants; SI units.
@@ -46,12 +46,13 @@ pub(super) enum ReferenceForce {
         arm: f64,
         tau: f64,
     },
-    /// A contact under the attraction, and up to four forces beside it.
+    /// A contact under the attraction, and up to four forces beside it, of which the last may remember.
     Sum {
         indenter: Indenter,
         adhesion: f64,
         decay: f64,
         terms: [Option<TermForce>; TERMS],
+        neck: Option<ReferenceNeck>,
     },
     /// In the contact radius: delta = a^2/R - (2/3) sqrt(6 pi w a/K), f = K a^3/R - sqrt(6 pi w K a^3), equation (16).
     /// `radius` is a at the fold, `unit` a^2/R there.
@@ -88,17 +89,12 @@ impl ReferenceForce {
                 adhesion: 2.0 * PI * w * r,
                 decay: contact.decay_length,
             },
-            Law::Sum => Self::Sum {
+            Law::Sum | Law::HystereticSum => Self::Sum {
                 indenter: Indenter::new(contact),
                 adhesion: if contact.choice == LawChoice::Dmt { 2.0 * PI * w * r } else { 0.0 },
                 decay: contact.decay_length,
-                terms: match contact.shape {
-                    // Its first is the contact, which is the indenter's.
-                    TipShape::SpheroCone => {
-                        std::array::from_fn(|n| contact.terms.get(n + 1).copied().flatten())
-                    }
-                    _ => contact.terms,
-                },
+                terms: beside_contact(contact),
+                neck: ReferenceNeck::of(contact),
             },
             Law::ViscousHertz => viscous(0.0),
             Law::ViscousDmt => viscous(2.0 * PI * w * r),
@@ -120,13 +116,14 @@ impl ReferenceForce {
         }
     }
 
-    /// Force on the tip, N, on the branch that `touching` selects. Each branch continues past its end, so that a step may
-    /// overshoot before it is cut back there.
+    /// Force on the tip, N, on this branch. Each branch continues past its end, so that a step may overshoot before it is cut
+    /// back there.
     ///
     /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it. `memory` is the law's, if it has
     /// one.
     #[inline]
-    pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2], touching: bool) -> f64 {
+    pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2], branch: Branch) -> f64 {
+        let Branch { touching, joined } = branch;
         match *self {
             Self::None => 0.0,
             Self::Hertz { kappa } => hertz(kappa, delta, touching),
@@ -136,8 +133,10 @@ impl ReferenceForce {
             Self::Shaped { indenter, adhesion, decay } => {
                 indenter.pressed(delta, touching) + attraction(adhesion, decay, delta, touching)
             }
-            Self::Sum { indenter, adhesion, decay, ref terms } => {
-                let beside: f64 = terms.iter().flatten().map(|term| beside(term, delta, touching)).sum();
+            Self::Sum { indenter, adhesion, decay, ref terms, neck } => {
+                let neck = neck.filter(|_| joined).map(|neck| neck.force);
+                let terms = terms.iter().flatten().chain(&neck);
+                let beside: f64 = terms.map(|term| beside(term, delta, touching)).sum();
                 let pull = attraction(adhesion, decay, delta, touching);
                 indenter.pressed(delta, touching) + pull + beside
             }
@@ -208,7 +207,7 @@ impl ReferenceForce {
     }
 
     /// Indentation at which contact changes: touch from outside, release from inside; `None` without a sample.
-    pub fn level(&self, touching: bool) -> Option<f64> {
+    fn level(&self, touching: bool) -> Option<f64> {
         match *self {
             Self::None => None,
             Self::Jkr { unit, .. } if touching => Some(-3.0 * unit),
@@ -216,12 +215,57 @@ impl ReferenceForce {
         }
     }
 
-    /// Whether a tip that starts at `delta` starts in contact.
-    pub fn touching_at(&self, delta: f64) -> bool {
-        match self {
+    /// Indentation at which the force that remembers begins to act, or ceases to.
+    fn neck_level(&self, joined: bool) -> Option<f64> {
+        match *self {
+            Self::Sum { neck: Some(neck), .. } => Some(neck.level(joined)),
+            _ => None,
+        }
+    }
+
+    /// How far the indentation is from where the branch changes, positive before, and the branch behind there.
+    pub fn change(&self, branch: Branch, delta: f64) -> Option<(f64, Branch)> {
+        let Branch { touching, joined } = branch;
+        let room = |level: f64, inside: bool| if inside { delta - level } else { level - delta };
+        let contact = self.level(touching).map(|level| (room(level, touching), !touching, joined));
+        let neck = self.neck_level(joined).map(|level| (room(level, joined), touching, !joined));
+        // A neck may form at touch: both change at once.
+        match (contact, neck) {
+            (Some(one), Some(other)) if one.0 == other.0 => {
+                Some((one.0, Branch { touching: one.1, joined: other.2 }))
+            }
+            _ => {
+                let all = contact.into_iter().chain(neck);
+                let nearest = all.min_by(|one, other| one.0.total_cmp(&other.0))?;
+                Some((nearest.0, Branch { touching: nearest.1, joined: nearest.2 }))
+            }
+        }
+    }
+
+    /// The branch of a tip that starts at `delta`.
+    pub fn branch_at(&self, delta: f64) -> Branch {
+        let touching = match self {
             Self::None => false,
             Self::Jkr { .. } => delta >= 0.0,
             _ => delta > 0.0,
+        };
+        Branch { touching, joined: self.neck_level(false).is_some_and(|forms| delta >= forms) }
+    }
+
+    /// The same where a law with hysteresis has this past.
+    pub fn branch_after(&self, delta: f64, past: bool) -> Branch {
+        let start = self.branch_at(delta);
+        match self {
+            Self::Sum { .. } => Branch { joined: past, ..start },
+            _ => Branch { touching: past, ..start },
+        }
+    }
+
+    /// What a law with hysteresis remembers of its past.
+    pub fn past(&self, branch: Branch) -> bool {
+        match self {
+            Self::Sum { neck: Some(_), .. } => branch.joined,
+            _ => branch.touching,
         }
     }
 
@@ -245,22 +289,6 @@ fn attraction(adhesion: f64, decay: f64, delta: f64, touching: bool) -> f64 {
     } else {
         -adhesion * (1.0 + 2.0 * delta / decay)
     }
-}
-
-/// The closed forms of the program's own tables; a user's table is its own.
-fn beside(term: &TermForce, delta: f64, touching: bool) -> f64 {
-    let x = delta / term.length;
-    let value = match (term.table, touching) {
-        (EXPONENTIAL | INVERSE, true) => 1.0,
-        (EXPONENTIAL, false) => x.min(1.0).exp(),
-        (INVERSE, false) => 1.0 / (1.0 - x.min(0.5)),
-        (table, _) => {
-            let table = ForceTable::numbered(table);
-            let ends_at_touch = table.ends().1 <= 0.0;
-            table.at(if touching && ends_at_touch { x.max(0.0) } else { x })[0]
-        }
-    };
-    term.amplitude * value
 }
 
 fn hertz(kappa: f64, delta: f64, touching: bool) -> f64 {
@@ -326,8 +354,10 @@ mod tests {
                 for step in 1..4000 {
                     let delta = fold + f64::from(step) * f64::from(step) * 1e-15;
                     for touching in [delta > 0.0 || law == LawChoice::Jkr, delta > 0.0] {
-                        let (own, other) =
-                            (force.at(delta, || 0.0, [0.0; 2], touching), contact.force(delta, touching));
+                        let (own, other) = (
+                            force.at(delta, || 0.0, [0.0; 2], Branch { touching, joined: false }),
+                            contact.force(delta, touching),
+                        );
                         // Close to the fold the square root magnifies a rounding of the indentation.
                         let bound = 1e-12 * (unit + other.abs());
                         assert!(
@@ -337,7 +367,13 @@ mod tests {
                     }
                 }
                 if let Some(pull) = force.deepest_pull() {
-                    assert!((force.at(pull, || 0.0, [0.0; 2], true) / (-1.5 * unit) - 1.0).abs() < 1e-13);
+                    assert!(
+                        (force.at(pull, || 0.0, [0.0; 2], Branch { touching: true, joined: false })
+                            / (-1.5 * unit)
+                            - 1.0)
+                            .abs()
+                            < 1e-13
+                    );
                 }
             }
         }

@@ -122,7 +122,7 @@ impl Integrator {
         let size = self.system.size();
         self.stepper.begin(&mut self.system, theta, &self.y[..size]);
         if let Some(meter) = meter {
-            meter.touched |= self.system.touching;
+            meter.touched |= self.system.branch.touching;
             let (system, y) = (&self.system, &self.y);
             let rate = || system.indentation_of(theta, y).1;
             meter.see(system, self.stepper.seen[0], rate, system.memory_of(y));
@@ -132,10 +132,14 @@ impl Integrator {
     /// Changes the contact here.
     fn switch(&mut self, theta: f64, mut meter: Option<&mut Meter>) {
         self.work.events += 1;
-        self.system.touching = !self.system.touching;
+        let delta = self.system.indentation_of(theta, &self.y).0;
+        let before = self.system.past();
+        if let Some((_, branch)) = self.system.change(delta) {
+            self.system.branch = branch;
+        }
         if let Some(meter) = meter.as_deref_mut() {
             // A viscous contact is counted by its force.
-            let counts = self.system.touching && !self.system.force.is_viscous();
+            let counts = self.system.past() && !before && !self.system.force.is_viscous();
             meter.begun += f64::from(u8::from(counts));
         }
         self.h = FIRST_STEP_PHASE.min(self.longest);
@@ -189,8 +193,7 @@ impl Integrator {
 
     /// Distance of the indentation from the change of contact, positive before it, m.
     fn room(&self, delta: f64) -> Option<f64> {
-        let level = self.system.force.level(self.system.touching)?;
-        Some(if self.system.touching { delta - level } else { level - delta })
+        self.system.change(delta).map(|(room, _)| room)
     }
 
     /// The course of the last step. Nothing is searched for if its stages are far from any change.
@@ -269,8 +272,9 @@ impl Integrator {
             }
             self.stepper.step(&mut self.system, theta, &self.y[..size], h);
             let (delta, rate) = self.system.indentation_of(theta + h, &self.stepper.end);
-            let Some(room) = self.room(delta) else { return h };
-            let slope = if self.system.touching { rate } else { -rate };
+            let Some((room, branch)) = self.system.change(delta) else { return h };
+            // Inward the branch behind has one more of contact and what remembers.
+            let slope = if branch > self.system.branch { -rate } else { rate };
             let shift = -room / slope;
             // Newton's method fails close to a graze, where the extension's estimate stays.
             if !(shift.abs() < last && shift.abs() > 1e-16 + 2.0 * f64::EPSILON * h) {
@@ -312,7 +316,7 @@ impl Integrator {
             self.stepper.seen[12],
             rate,
             self.system.memory_of(&self.y),
-            self.system.touching,
+            self.system.branch,
         );
         self.length = self.length.max(travel.abs());
         self.force = self.force.max(force.abs());

@@ -3,6 +3,7 @@
 use super::Model;
 use super::dop853::Rates;
 use super::reference_force::ReferenceForce;
+use super::reference_neck::Branch;
 use crate::engine::start;
 use crate::instrument::Mode;
 use crate::plan::{Case, Driven, compliance, reduced};
@@ -50,7 +51,7 @@ pub(super) struct System {
     begun: f64,
     pub gap: f64,
     pub force: ReferenceForce,
-    pub touching: bool,
+    pub branch: Branch,
     /// Whether the integrals are among the unknowns.
     pub measuring: bool,
     /// Share of the tip's flexibility that no oscillator carries.
@@ -81,7 +82,7 @@ impl System {
             begun: 0.0,
             gap: case.gap,
             force: ReferenceForce::new(&case.contact),
-            touching: false,
+            branch: Branch { touching: false, joined: false },
             measuring: false,
             left_out,
             fastest_transient: 0.0,
@@ -96,8 +97,18 @@ impl System {
             let fast = system.transients.iter().filter(|one| size(one) > seen);
             system.fastest_transient = fast.map(|(mode, _)| mode.omega / omega).fold(0.0, f64::max);
         }
-        system.touching = system.force.touching_at(-(case.gap + system.free_at(0.0).0));
+        system.branch = system.force.branch_at(-(case.gap + system.free_at(0.0).0));
         system
+    }
+
+    /// What a law with hysteresis remembers; of the others, contact.
+    pub fn past(&self) -> bool {
+        self.force.past(self.branch)
+    }
+
+    /// How far the indentation is from where the branch changes, positive before, and the branch behind there.
+    pub fn change(&self, delta: f64) -> Option<(f64, Branch)> {
+        self.force.change(self.branch, delta)
     }
 
     /// Oscillators.
@@ -204,7 +215,7 @@ impl Rates for System {
         let delta = -(self.gap + travel);
         let rate = || free_rate + v.iter().sum::<f64>();
         let memory = self.memory_of(y);
-        let force = self.force.at(delta, || -rate() * self.omega, memory, self.touching);
+        let force = self.force.at(delta, || -rate() * self.omega, memory, self.branch);
         out[..n].copy_from_slice(v);
         let (stiffness, loss, push) = (&self.stiffness[..n], &self.loss[..n], &self.push[..n]);
         let bent = &mut out[n..2 * n];
