@@ -2,6 +2,7 @@
 //! is made of, and the reference engine.
 
 use crate::checks::{self, Twin, bounds, calibrated, one_mode, sample, worst};
+use crate::support::laws::CHARGED_CONE;
 use afmsweep::Scene;
 use afmsweep::contact::Contact;
 use afmsweep::engine::{Engine, Model, Progress, Reference};
@@ -13,10 +14,10 @@ use afmsweep::scene::{
 const BIAS: OutsideForce =
     OutsideForce::Electrostatic { bias: 4.0, contact_potential: -0.3, cut_off: 0.4e-9, cone: None };
 const CONE: OutsideForce = OutsideForce::Electrostatic {
-    bias: checks::CHARGED_CONE[0],
+    bias: CHARGED_CONE[0],
     contact_potential: 0.0,
-    cut_off: checks::CHARGED_CONE[1],
-    cone: Some(TipCone { half_angle: checks::CHARGED_CONE[3], height: checks::CHARGED_CONE[4] }),
+    cut_off: CHARGED_CONE[1],
+    cone: Some(TipCone { half_angle: CHARGED_CONE[3], height: CHARGED_CONE[4] }),
 };
 const LAYER: OutsideForce = OutsideForce::DoubleLayer {
     tip_charge: -0.02,

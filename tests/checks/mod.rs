@@ -6,7 +6,7 @@ pub mod bounds;
 pub mod driven_lever;
 pub mod energy;
 
-use crate::support::laws::{Law as Force, Neck, Outside, Tip};
+use crate::support::laws::{CHARGED_CONE, Law as Force, Neck, Outside, Tip};
 use crate::support::oscillator::{Mode, Options, Outcome, State, System};
 use afmsweep::contact::{Contact, Law};
 use afmsweep::engine::{Cpu, Engine, Finished, Progress};
@@ -171,9 +171,6 @@ pub fn outside_forces(law: &str) -> Vec<OutsideForce> {
     all
 }
 
-/// The one charged tip of the tests with a cone: bias (V), cut-off, radius of the tip (m), half-angle (degree), height (m).
-pub const CHARGED_CONE: [f64; 5] = [3.0, 0.4e-9, 15e-9, 14.0, 12e-6];
-
 /// The one force of the tests that oscillates: strength (N), decay length and period (m), phase (degree).
 pub const WAVE: [f64; 4] = [0.4e-9, 0.5e-9, 0.28e-9, 40.0];
 
@@ -181,20 +178,21 @@ pub const WAVE: [f64; 4] = [0.4e-9, 0.5e-9, 0.28e-9, 40.0];
 /// force of a sphero-cone is the contact itself.
 fn outside(contact: Contact) -> [Outside; 4] {
     let first = usize::from(contact.shape == TipShape::SpheroCone);
-    let last = if contact.law == Law::HystereticSum { 3 } else { 4 };
     std::array::from_fn(|n| {
-        let term = contact.terms[..last].get(n + first).copied().flatten();
+        let term = contact.terms.get(n + first).copied().flatten();
+        if let Some(term) = term.filter(|_| n == 3 && contact.law == Law::HystereticSum) {
+            return neck_force(term);
+        }
         let Some(TermForce { amplitude: at_touch, length, table }) = term else { return Outside::None };
         let [strength, decay, period, phase] = WAVE;
         match table {
             EXPONENTIAL => Outside::Decay { at_touch, length },
             INVERSE => Outside::Inverse { at_touch, length },
             _ if at_touch < 0.0 => {
-                let [potential, cut_off, r, half_angle, height] = CHARGED_CONE;
-                let half_angle = half_angle.to_radians();
-                let apart = cut_off + r * (1.0 - half_angle.sin());
+                let [_, cut_off, r, half_angle, _] = CHARGED_CONE;
+                let apart = cut_off + r * (1.0 - half_angle.to_radians().sin());
                 assert!((length / apart - 1.0).abs() < 1e-12, "a table is no formula");
-                Outside::Cone { potential, cut_off, r, half_angle, height }
+                Outside::Cone
             }
             _ => {
                 assert_eq!((at_touch, length), (strength, decay), "a table is no formula");
@@ -204,16 +202,19 @@ fn outside(contact: Contact) -> [Outside; 4] {
     })
 }
 
-/// A liquid neck: its force is nothing at its length if it is a straight line.
+/// Where a force that remembers forms and breaks.
 fn neck(contact: Contact) -> Option<Neck> {
-    let term = contact.terms[3].filter(|_| contact.law == Law::HystereticSum)?;
+    let [forms, breaks] = contact.neck;
+    (contact.law == Law::HystereticSum).then_some(Neck { forms, breaks, acts: false })
+}
+
+/// A liquid neck: its force is nothing at its length if it is a straight line.
+fn neck_force(term: TermForce) -> Outside {
     let TermForce { amplitude: at_touch, length, .. } = term;
-    let force = match term.at(-length)[0] {
+    match term.at(-length)[0] {
         0.0 => Outside::Straight { at_touch, length },
         _ => Outside::InverseSquare { at_touch, length },
-    };
-    let [forms, breaks] = contact.neck;
-    Some(Neck { force, forms, breaks, acts: false })
+    }
 }
 
 /// The instance as the independent integrator takes it, its start, and by how many degrees its

@@ -39,15 +39,18 @@ pub enum Law {
     },
 }
 
-/// A force that acts from the indentation `forms`, once the tip has come so near, to `breaks`, once it has gone so far.
+/// The last of the forces outside acts from the indentation `forms`, once the tip has come so near, to `breaks`, once it has gone
+/// so far.
 #[derive(Clone, Copy, Debug)]
 pub struct Neck {
-    pub force: Outside,
     pub forms: f64,
     pub breaks: f64,
     /// Whether it acts now.
     pub acts: bool,
 }
+
+/// The one charged tip of the tests with a cone: bias (V), cut-off, radius of the tip (m), half-angle (degree), height (m).
+pub const CHARGED_CONE: [f64; 5] = [3.0, 0.4e-9, 15e-9, 14.0, 12e-6];
 
 /// A force at a distance D: `at_touch` (N) times exp(-D/length), that times a cosine, 1/(1 + D/length), that squared, or 1 - D/length.
 #[derive(Clone, Copy, Debug)]
@@ -68,13 +71,7 @@ pub enum Outside {
         length: f64,
     },
     /// The cone of a charged tip: Hudlet and others (1998), less the part of its round end that [`Outside::Inverse`] has.
-    Cone {
-        potential: f64,
-        cut_off: f64,
-        r: f64,
-        half_angle: f64,
-        height: f64,
-    },
+    Cone,
     InverseSquare {
         at_touch: f64,
         length: f64,
@@ -96,7 +93,9 @@ impl Outside {
                 strength * (-away / length).exp() * (2.0 * PI * away / period + phase).cos()
             }
             Outside::Inverse { at_touch, length } => at_touch / (1.0 + away.max(-0.5 * length) / length),
-            Outside::Cone { potential, cut_off, r, half_angle, height } => {
+            Outside::Cone => {
+                let [potential, cut_off, r, half_angle, height] = CHARGED_CONE;
+                let half_angle = half_angle.to_radians();
                 let z = away + cut_off;
                 let (sine, cosine) = half_angle.sin_cos();
                 let a = z + r * (1.0 - sine);
@@ -250,8 +249,8 @@ impl Law {
             }
             Law::Beside { e, tip, pull, d0, outside, neck } => {
                 let contact = Law::Indenter { e, tip, pull, d0 }.force(d, touch);
-                let neck = neck.filter(|neck| neck.acts).map_or(0.0, |neck| neck.force.force(d, touch));
-                contact + outside.map(|one| one.force(d, touch)).iter().sum::<f64>() + neck
+                let act = if neck.is_some_and(|neck| !neck.acts) { 3 } else { 4 };
+                contact + outside[..act].iter().map(|one| one.force(d, touch)).sum::<f64>()
             }
             Law::Jkr { k, r, w } => {
                 if touch {
