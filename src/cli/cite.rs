@@ -39,9 +39,10 @@ pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
     if is_used("sum") && contact.law != LawChoice::Sum {
         entries.push(entry(if contact.law == LawChoice::Dmt { LAWS[1].1 } else { LAWS[0].1 }));
     }
-    if contact.outside.iter().any(|force| matches!(force, OutsideForce::DoubleLayer { .. })) {
-        entries.push(entry("butt1991measuring"));
-    }
+    let mut outside: Vec<&str> = contact.outside.iter().filter_map(source).collect();
+    outside.sort_unstable();
+    outside.dedup();
+    entries.extend(outside.into_iter().map(entry));
     if scene.base.instrument.tip.shape == TipShape::SpheroCone {
         entries.push(entry("briscoe1994effect"));
     }
@@ -52,6 +53,16 @@ pub fn main(args: &CiteArgs) -> anyhow::Result<()> {
         entries.push(entry("lebedev1958axisymmetric"));
     }
     print(&entries.join("\n"))
+}
+
+/// Whose formula a force beside the contact is, where it is one paper's.
+fn source(force: &OutsideForce) -> Option<&'static str> {
+    match force {
+        OutsideForce::DoubleLayer { .. } => Some("butt1991measuring"),
+        OutsideForce::Electrostatic { cone: Some(_), .. } => Some("hudlet1998evaluation"),
+        OutsideForce::Capillary { .. } => Some("zitzler2002capillary"),
+        _ => None,
+    }
 }
 
 /// The entry of that key, on lines of its own.

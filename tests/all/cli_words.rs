@@ -66,7 +66,9 @@ fn the_shader_that_is_shown_is_the_one_that_runs() {
 fn citations_are_those_of_the_laws_and_the_instrument_that_ran() {
     let desk = Desk::new();
     let pyramid = "[instrument.tip]\nshape = \"pyramid\"\nhalf_angle = \"35 deg\"";
+    let neck = "[[contact.outside]]\nforce = \"capillary\"\nstrength = \"1 nN\"\nforms_at = \"1 nm\"\nbreaks_at = \"2 nm\"\n[instrument.tip]";
     for (kind, tip, keys) in [
+        ("--lever", neck, &["derjaguin1975effect", "zitzler2002capillary"][..]),
         ("--lever", "[instrument.tip]", &["afmsweep", "derjaguin1975effect"][..]),
         ("--liquid", "[instrument.tip]", &["afmsweep", "hertz1882contact"]),
         ("--liquid", pyramid, &["hertz1882contact", "sneddon1965relation", "bilodeau1992regular"]),

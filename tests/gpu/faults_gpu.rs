@@ -79,6 +79,16 @@ const FAULTS: &[Fault] = &[
             "-t2 * TWENTY_FOURTH + met.steady + met.beyond",
         )
     }),
+    ("sum", "the work at a row's begin for that at its end", |text| swap(&text, " + 9u]", " + 6u]")),
+    ("sum-hysteretic", "breaks where it forms", |text| {
+        swap(&text, "let t2 = select(law.forms, law.breaks, t1);", "let t2 = law.forms;")
+    }),
+    ("sum-hysteretic", "what remembers left out of the way to its end", |text| {
+        swap(&text, "select(ZERO, law.scale_3 * (t13 * t12 + drives[t11 + 2u]), t1);", "ZERO;")
+    }),
+    ("sum-hysteretic", "force at the event for that on the way", |text| {
+        swap(&text, "THIRD * (TWO * t37 + (", "THIRD * (TWO * t37 - (")
+    }),
 ];
 
 /// Faults that no test should see: the text says the same.
