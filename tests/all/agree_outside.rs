@@ -56,7 +56,7 @@ const BRIDGE: OutsideForce = OutsideForce::Capillary {
 /// Each force with a law and a shape.
 fn contacts() -> Vec<(LawChoice, TipShape, Vec<OutsideForce>)> {
     use LawChoice::{Dmt, Hertz};
-    use TipShape::{Paraboloid, Sphere};
+    use TipShape::{Paraboloid, Sphere, SpheroCone};
     vec![
         (Hertz, Paraboloid, vec![BIAS]),
         (Dmt, Paraboloid, vec![BIAS]),
@@ -69,6 +69,7 @@ fn contacts() -> Vec<(LawChoice, TipShape, Vec<OutsideForce>)> {
         (Hertz, Paraboloid, vec![NECK]),
         (Dmt, Paraboloid, vec![NECK, LAYER]),
         (Hertz, Sphere, vec![BRIDGE]),
+        (Hertz, SpheroCone, vec![NECK]),
     ]
 }
 
@@ -77,6 +78,7 @@ fn cases((law, shape, outside): &(LawChoice, TipShape, Vec<OutsideForce>)) -> Ve
     let put = |scene: &mut Scene, modulus: f64| {
         sample(scene, *law, modulus, 0.01, 15e-9);
         scene.base.instrument.tip.shape = *shape;
+        scene.base.instrument.tip.half_angle = (*shape == TipShape::SpheroCone).then_some(25.0);
         scene.base.contact.outside.clone_from(outside);
     };
     for modulus in [30e6, 1e9] {

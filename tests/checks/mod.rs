@@ -179,7 +179,7 @@ pub const WAVE: [f64; 4] = [0.4e-9, 0.5e-9, 0.28e-9, 40.0];
 fn outside(contact: Contact) -> [Outside; 4] {
     let first = usize::from(contact.shape == TipShape::SpheroCone);
     std::array::from_fn(|n| {
-        let term = contact.terms.get(n + first).copied().flatten();
+        let term = contact.terms[n].filter(|_| n >= first);
         if let Some(term) = term.filter(|_| n == 3 && contact.law == Law::HystereticSum) {
             return neck_force(term);
         }

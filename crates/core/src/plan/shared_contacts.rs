@@ -10,7 +10,7 @@ use std::collections::HashMap;
 const MAX_SHARED_CONTACTS: usize = 1 << 16;
 
 /// The constants of a contact, bit by bit.
-type Key = [u64; 11 + 2 * crate::kernel::contact::TERMS];
+type Key = [u64; Compact::CONSTANTS];
 
 /// The contacts of an ensemble while it is built.
 pub(super) struct SharedContacts {

@@ -1,11 +1,10 @@
 //! A contact with what acts beside it, one of which is a force that remembers: it acts from where it forms on the way in to
 //! where it breaks on the way out (docs/method.md). So do a liquid neck, and a table whose way out differs from its way in.
 
-use super::dmt::{Beside, Tail, TermMean, tail_kick, tail_sample};
+use super::dmt::{Beside, TermMean};
 use super::path::Path;
-use super::shaped::ShapedHertz;
-use super::sum::{FIELDS as SUM_FIELDS, TERMS, Term, Terms};
-use super::{Approach, Elastic, Interaction, Kick, Lane, Zip, when};
+use super::sum::{FIELDS as SUM_FIELDS, ForceSum, TERMS, Term};
+use super::{Approach, Interaction, Kick, Lane, Zip, when};
 use crate::constants::{EIGHTH, HALF, LEAST, ONE, SIXTH, THIRD, TWELFTH, TWO, ZERO};
 
 /// The last of the terms is the one that remembers.
@@ -14,9 +13,7 @@ const OTHERS: usize = TERMS - 1;
 /// A sum with a force that remembers.
 #[derive(Clone, Copy, Debug)]
 pub struct HystereticSum<L> {
-    contact: ShapedHertz<L>,
-    tail: Tail<L>,
-    others: Terms<L, OTHERS>,
+    others: ForceSum<L, OTHERS>,
     neck: Neck<L>,
 }
 
@@ -115,17 +112,11 @@ struct Awaited<L: Lane> {
 }
 
 impl<L: Lane> HystereticSum<L> {
-    /// The force but for the neck's.
-    #[inline(always)]
-    fn sample(&self, indentation: L) -> L {
-        self.others.sampled(tail_sample((&self.contact, &self.tail), indentation), indentation)
-    }
-
     /// The force before the event.
     #[inline(always)]
     fn before(&self, awaited: Awaited<L>, indentation: L) -> L {
         let pull = self.neck.pull.sample(indentation);
-        self.sample(indentation) + L::select(awaited.held, pull, L::splat(ZERO))
+        self.others.sample(indentation) + L::select(awaited.held, pull, L::splat(ZERO))
     }
 
     /// Forming or breaking, if the path under the force meets it within the step.
@@ -194,11 +185,9 @@ impl<L: Lane> Interaction<L> for HystereticSum<L> {
 
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {
-        let contact = <ShapedHertz<L> as Elastic<L>>::from_numbers(&mut next);
-        let tail = Tail { adhesion: next(), inverse_decay: next() };
-        let others = Terms(std::array::from_fn(|_| Term::from_numbers(&mut next)));
+        let others = ForceSum::of(&mut next);
         let pull = Term::from_numbers(&mut next);
-        Self { contact, tail, others, neck: Neck { pull, forms: next(), breaks: next() } }
+        Self { others, neck: Neck { pull, forms: next(), breaks: next() } }
     }
 
     #[inline(always)]
@@ -218,7 +207,7 @@ impl<L: Lane> Interaction<L> for HystereticSum<L> {
         let happens = zero.less(event.happens);
         let holds = L::both(held, L::not(happens));
         let joined = Joined { sum: self, holds, impulse: event.impulse };
-        let (kick, slope) = tail_kick((&self.contact, &self.tail), &joined, at);
+        let (kick, slope) = self.others.kick_with(&joined, at);
         let touching = L::select(happens, one - touching, touching);
         Kick {
             impulse: slope.mul_add(event.ahead, kick.impulse),

@@ -1,7 +1,7 @@
 //! A contact and what acts beside it: half-integer powers of the indentation, DMT's attraction, and up to four forces that are
 //! tabulated (docs/method.md): electrostatic, double layer, hydration, a user's own.
 
-use super::dmt::{Beside, Tail, TermMean, tail_kick};
+use super::dmt::{Beside, Tail, TermMean, tail_kick, tail_sample};
 use super::force_table::COLUMNS;
 use super::path::Path;
 use super::shaped::{POWERS, ShapedHertz};
@@ -19,16 +19,35 @@ pub(super) struct Term<L> {
     table: L,
 }
 
-/// The forces beside a contact.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Terms<L, const N: usize>(pub [Term<L>; N]);
-
 /// A contact with what acts beside it.
 #[derive(Clone, Copy, Debug)]
-pub struct ForceSum<L> {
+pub struct ForceSum<L, const N: usize = TERMS> {
     contact: ShapedHertz<L>,
     tail: Tail<L>,
-    terms: Terms<L, TERMS>,
+    terms: [Term<L>; N],
+}
+
+impl<L: Lane, const N: usize> ForceSum<L, N> {
+    /// Of its constants, in the order of the fields.
+    #[inline(always)]
+    pub(super) fn of(mut next: impl FnMut() -> L) -> Self {
+        let contact = <ShapedHertz<L> as Elastic<L>>::from_numbers(&mut next);
+        let tail = Tail { adhesion: next(), inverse_decay: next() };
+        let terms = std::array::from_fn(|_| Term::from_numbers(&mut next));
+        Self { contact, tail, terms }
+    }
+
+    /// The force at an indentation.
+    #[inline(always)]
+    pub(super) fn sample(&self, indentation: L) -> L {
+        self.sampled(tail_sample((&self.contact, &self.tail), indentation), indentation)
+    }
+
+    /// The kick, with what acts beside the contact, and the mean slope of all these forces.
+    #[inline(always)]
+    pub(super) fn kick_with(&self, beside: &impl Beside<L>, at: Approach<L>) -> (Kick<L>, L) {
+        tail_kick((&self.contact, &self.tail), beside, at)
+    }
 }
 
 /// A row of a table: from `at` to `next` the force is value + d (rise + d (square + d cube)), d from `at`; `work` and `moment`
@@ -144,11 +163,12 @@ impl<L: Lane> Term<L> {
     }
 }
 
-impl<L: Lane, const N: usize> Beside<L> for Terms<L, N> {
+/// Its terms alone.
+impl<L: Lane, const N: usize> Beside<L> for ForceSum<L, N> {
     #[inline(always)]
     fn sampled(&self, contact: L, indentation: L) -> L {
         let mut sum = contact;
-        for term in &self.0 {
+        for term in &self.terms {
             let zero = L::splat(ZERO);
             sum = sum
                 + when(
@@ -166,7 +186,7 @@ impl<L: Lane, const N: usize> Beside<L> for Terms<L, N> {
         let zero = L::splat(ZERO);
         let none = TermMean { force: zero, slope: zero, lean: zero };
         let mut sum = none;
-        for term in &self.0 {
+        for term in &self.terms {
             let one = when(
                 term.acts(),
                 none,
@@ -216,16 +236,13 @@ impl<L: Lane> Interaction<L> for ForceSum<L> {
     const SHIFTS: bool = true;
 
     #[inline(always)]
-    fn from_numbers(mut next: impl FnMut() -> L) -> Self {
-        let contact = <ShapedHertz<L> as Elastic<L>>::from_numbers(&mut next);
-        let tail = Tail { adhesion: next(), inverse_decay: next() };
-        let terms = std::array::from_fn(|_| Term::from_numbers(&mut next));
-        Self { contact, tail, terms: Terms(terms) }
+    fn from_numbers(next: impl FnMut() -> L) -> Self {
+        Self::of(next)
     }
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        tail_kick((&self.contact, &self.tail), &self.terms, at).0
+        self.kick_with(self, at).0
     }
 }
 

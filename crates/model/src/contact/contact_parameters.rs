@@ -45,6 +45,9 @@ pub struct Compact {
 }
 
 impl Compact {
+    /// How many [`Self::constants`] there are.
+    pub const CONSTANTS: usize = 11 + 2 * TERMS;
+
     /// Decides the law; see [`Contact::new`].
     pub fn new(params: &Params) -> Self {
         let frequency = match params.drive.frequency {
@@ -168,7 +171,7 @@ impl Compact {
     /// Combined modulus (Pa), tip radius (m), work of adhesion (J/m^2), decay length (m), combined modulus at once (Pa),
     /// retardation time (s), half-angle (degree), a layer's thickness (m) and Poisson ratio, and the other forces' amplitudes
     /// (N) and lengths (m), and where the last of them forms and breaks (m).
-    pub fn constants(&self) -> [f64; 11 + 2 * TERMS] {
+    pub fn constants(&self) -> [f64; Self::CONSTANTS] {
         let [at_once, later, angle] = [self.instantaneous, self.retardation, self.half_angle];
         let (thickness, ratio) =
             self.layer.map_or((f64::INFINITY, 0.0), |layer| (layer.thickness, layer.poisson_ratio));

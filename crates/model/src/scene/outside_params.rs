@@ -188,7 +188,8 @@ impl OutsideForce {
         1 + usize::from(matches!(self, Self::Electrostatic { cone: Some(_), .. }))
     }
 
-    /// The force of its round end under a tip of this radius, m. Where a process has no room for one more table it is no number.
+    /// The force of its round end under a tip of this radius, m. Where a process has no room for one more table it is no
+    /// number.
     fn term(&self, radius: f64) -> TermForce {
         match *self {
             Self::Electrostatic { bias, contact_potential, cut_off, .. } => TermForce {

@@ -87,8 +87,8 @@ pub(super) fn relaxation_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     Ok(())
 }
 
-/// The values of two quantities, each given by its path and its value where it is not swept, in a case of the scene in which the
-/// first is larger than the second.
+/// The values of two quantities in a case of the scene in which the first is larger than the second; each is given by its path
+/// and by its value where it is not swept.
 pub(super) fn exceeding(sweep: &SweptAxes, one: (&str, f64), other: (&str, f64)) -> Option<(f64, f64)> {
     let values = |(path, base): (&str, f64)| match sweep.quantities().find(|axis| axis.path == path) {
         Some(axis) => axis.values.to_vec(),

@@ -46,7 +46,7 @@ pub(super) enum RetractionFault {
 }
 
 impl TabulatedForce {
-    /// From indentations that rise and as many forces, at least two and at most [`crate::kernel::contact::force_table::KNOTS`]; none where a process
+    /// From indentations that rise and as many forces, at least two and no more than a table has room for; none where a process
     /// has no room for one more table.
     pub(super) fn new(indentations: Vec<f64>, forces: Vec<f64>) -> Option<Self> {
         let peak = forces.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
