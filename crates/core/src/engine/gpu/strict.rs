@@ -18,18 +18,29 @@ const ARITHMETIC: [u32; 6] = [127, 129, 131, 133, 136, 142];
 /// Compiles the text and decorates every result of float arithmetic with `NoContraction`. An index that is `checked` stays within
 /// its array, whatever the text says.
 pub(super) fn compile(text: &str, checked: bool) -> Result<Vec<u32>, Failure> {
-    let refused = |why: String| Failure::Refused(why);
-    let module = wgsl::parse_str(text).map_err(|error| refused(error.emit_to_string(text)))?;
+    translated(text, checked).map(|words| decorated(&words)).map_err(Failure::Refused)
+}
+
+/// A shader as SPIR-V, of which a driver may fuse sums and products, or as `strict` runs have it.
+///
+/// # Errors
+/// What is wrong with the text, and where.
+pub fn spirv(text: &str, strict: bool) -> Result<Vec<u32>, String> {
+    let words = translated(text, false)?;
+    Ok(if strict { decorated(&words) } else { words })
+}
+
+fn translated(text: &str, checked: bool) -> Result<Vec<u32>, String> {
+    let module = wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::FLOAT64)
         .validate(&module)
-        .map_err(|error| refused(error.emit_to_string(text)))?;
+        .map_err(|error| error.emit_to_string(text))?;
     let policy = if checked { BoundsCheckPolicy::Restrict } else { BoundsCheckPolicy::Unchecked };
     let bounds_check_policies =
         BoundsCheckPolicies { index: policy, buffer: policy, image_load: policy, binding_array: policy };
     let options =
         spv::Options { flags: spv::WriterFlags::empty(), bounds_check_policies, ..spv::Options::default() };
-    let words = spv::write_vec(&module, &info, &options, None).map_err(|error| refused(error.to_string()))?;
-    Ok(decorated(&words))
+    spv::write_vec(&module, &info, &options, None).map_err(|error| error.to_string())
 }
 
 fn decorated(words: &[u32]) -> Vec<u32> {
