@@ -40,23 +40,27 @@ fn shaders() -> Vec<(&'static str, ShaderSpec)> {
         ("walk", Entry::Walk, Wants::FUNDAMENTAL, false),
     ];
     let mut all = Vec::new();
-    for double in [false, true] {
+    let decay = false;
+    for (double, one_drive) in [(false, true), (false, false), (true, true), (true, false)] {
         for (name, entry, wants, measured) in runs {
             for law in Law::ALL {
                 let more: &[usize] = if [Law::Hertz, Law::Dmt, Law::Jkr].contains(&law) { &[8] } else { &[] };
                 for modes in [4].iter().chain(more) {
                     let modes = *modes;
-                    all.push((name, ShaderSpec { entry, law, modes, wants, measured, decay: false, double }));
+                    let spec = ShaderSpec { entry, law, modes, wants, measured, decay, double, one_drive };
+                    all.push((name, spec));
                 }
             }
         }
         for (name, entry, wants, measured) in rounds {
             let (law, modes) = (Law::Dmt, 4);
-            all.push((name, ShaderSpec { entry, law, modes, wants, measured, decay: false, double }));
+            let spec = ShaderSpec { entry, law, modes, wants, measured, decay, double, one_drive };
+            all.push((name, spec));
         }
         for modes in [16, 24] {
             let (law, entry, measured) = (Law::Dmt, Entry::Sweep, false);
-            let spec = ShaderSpec { entry, law, modes, wants: extremes, measured, decay: false, double };
+            let wants = extremes;
+            let spec = ShaderSpec { entry, law, modes, wants, measured, decay, double, one_drive };
             all.push(("settling", spec));
         }
     }
@@ -72,6 +76,7 @@ fn row(head: &Value, compiled: &Compiled, seconds: f64) -> Value {
     row["scalar"] = json!(number("SGPRs"));
     row["spilled"] = json!(number("Spilled VGPRs"));
     row["waves"] = json!(number("Subgroups per SIMD"));
+    row["throughput"] = json!(number("Inverse Throughput"));
     row["bytes"] = json!(number("Code size"));
     let counted = longest_loop(&compiled.assembly);
     row["vector"] = json!(counted.map(|(all, _)| all.vector));
@@ -86,7 +91,7 @@ fn row(head: &Value, compiled: &Compiled, seconds: f64) -> Value {
 
 /// What tells a row from the others.
 fn label(row: &Value) -> String {
-    let words = ["what", "law", "modes", "precision", "rounding"].map(|key| match &row[key] {
+    let words = ["what", "law", "modes", "precision", "rounding", "drives"].map(|key| match &row[key] {
         Value::String(word) => word.clone(),
         other => other.to_string(),
     });
@@ -105,6 +110,7 @@ fn compiled(device: &Device) -> (Vec<Value>, Vec<String>) {
                 "law": spec.law.name(),
                 "modes": spec.modes,
                 "precision": if spec.double { "f64" } else { "f32" },
+                "drives": if spec.one_drive { "one" } else { "several" },
                 "rounding": if strict { "each" } else { "fused" },
             });
             let start = Instant::now();
@@ -152,7 +158,7 @@ fn worse(rows: &[Value], kept: &[Value]) -> Vec<String> {
 
 /// Instance-steps a second by these counts: no memory, no waiting, every lane busy.
 fn rates(rows: &[Value]) -> Vec<Value> {
-    let settles = |row: &&Value| row["what"] == "settling" && row["modes"] == 4;
+    let settles = |row: &&Value| row["what"] == "settling" && row["modes"] == 4 && row["drives"] == "one";
     let mut rates = Vec::new();
     for (card, units, clock) in CARDS {
         for row in rows.iter().filter(settles) {
@@ -171,6 +177,7 @@ fn keep(folder: &str, device: &Device, rows: &[Value]) {
     let made = format!(
         "{} for {}; nothing was run on a card. Rounding: each operation of the text rounds by itself, as in runs that have to equal the CPU to the bit, or sums and products may be fused. \
          Instructions are those of one turn of the longest loop, which is the one over steps in all but the rounds of a search (stride, walk), all branches together; the least is where no lane touches. \
+         Drives: one whose constants a workgroup reads once, or several, which each lane reads by itself; inverse throughput is the compiler's own estimate for the whole shader. \
          Settling: the part of a run before it is measured; measured: amplitude, phase and extremes; all sums: every observable; slopes, carry: the Jacobian of a period map.",
         device.driver, device.card
     );
@@ -183,12 +190,14 @@ fn keep(folder: &str, device: &Device, rows: &[Value]) {
                 ("law", "law"),
                 ("modes", "modes"),
                 ("precision", "precision"),
+                ("drives", "drives"),
                 ("rounding", "rounding"),
                 ("registers", "registers"),
                 ("spilled", "spilled"),
                 ("waves", "waves a SIMD"),
                 ("vector", "vector instructions a step"),
                 ("least", "the least"),
+                ("throughput", "inverse throughput"),
                 ("quarter", "at a quarter of the rate"),
                 ("f64", "in f64"),
                 ("bytes", "bytes of code"),

@@ -140,7 +140,12 @@ fn carry(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_inde
     }
     let i = going[listed(job.round, nth)];
     let place = turn - nth + i;
+    //% if one drive
+    let row = 0u;
+    //% end
+    //% if several drives
     let row = drive_of[i];
+    //% end
     var column = first_column(turn / job.instances);
     // A dispatch may begin within the period.
     if job.first > 0u {

@@ -20,15 +20,18 @@ fn specs_of(observables: impl Fn(usize) -> Vec<Wants>) -> Vec<ShaderSpec> {
             for wants in observables(modes) {
                 for kind in 0..8 {
                     let (measured, decay, double) = (kind & 1 != 0, kind & 2 != 0, kind & 4 != 0);
-                    all.push(ShaderSpec { entry, law, modes, wants, measured, decay, double });
+                    let one_drive = measured != decay;
+                    all.push(ShaderSpec { entry, law, modes, wants, measured, decay, double, one_drive });
                 }
                 for (entry, double) in SEARCH {
-                    all.push(ShaderSpec { entry, law, modes, wants, measured: true, decay: false, double });
+                    let (measured, decay, one_drive) = (true, false, double);
+                    all.push(ShaderSpec { entry, law, modes, wants, measured, decay, double, one_drive });
                 }
             }
             let wants = Wants::FUNDAMENTAL;
             for (entry, double) in SLOPES {
-                all.push(ShaderSpec { entry, law, modes, wants, measured: false, decay: false, double });
+                let (measured, decay, one_drive) = (false, false, double);
+                all.push(ShaderSpec { entry, law, modes, wants, measured, decay, double, one_drive });
             }
         }
     }
@@ -184,6 +187,7 @@ fn recorded_texts_are_those_that_are_kept() {
         measured: true,
         decay: true,
         double: false,
+        one_drive: false,
     };
     texts.extend([
         ("step", "step.rs", spec.step_text()),

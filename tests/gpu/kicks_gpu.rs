@@ -103,7 +103,8 @@ fn size(i: usize, law: Law) -> f64 {
 fn spec(law: Law) -> ShaderSpec {
     let wants = Wants::FUNDAMENTAL;
     let entry = Entry::Sweep;
-    ShaderSpec { entry, law, modes: 1, wants, measured: false, decay: false, double: false }
+    let (measured, decay, double, one_drive) = (false, false, false, true);
+    ShaderSpec { entry, law, modes: 1, wants, measured, decay, double, one_drive }
 }
 
 /// The kicks by the best adapter: [4][instance].

@@ -140,8 +140,9 @@ impl ShaderSpec {
             "gap" => "cases[at(CASE_GAP, i)]".to_owned(),
             _ => format!("drives[DRIVE_{} * job.drives + row]", member.to_uppercase()),
         };
+        let row = if self.one_drive { "    let row = 0u;\n" } else { "    let row = drive_of[i];\n" };
         case.declaration()
-            + &case.reader("    let row = drive_of[i];\n", cell)
+            + &case.reader(row, cell)
             + &self.state().in_state()
             + &self.law.with(StepText(self))
     }

@@ -74,6 +74,8 @@ pub struct ShaderSpec {
     pub decay: bool,
     /// f64 in place of f32.
     pub double: bool,
+    /// Whether all instances have one drive: a GPU then reads the drive's constants once for a workgroup, not for each lane.
+    pub one_drive: bool,
 }
 
 /// What a binding is to the shader.
@@ -327,6 +329,8 @@ impl ShaderSpec {
             "looks back" => self.wants.looks_back(),
             "decay" => self.decay,
             "shifts" => self.law.shifts(),
+            "one drive" => self.one_drive,
+            "several drives" => !self.one_drive,
             "energy" => self.sums().energy,
             "forces" => self.sums().forces,
             _ => return None,
@@ -356,7 +360,8 @@ mod tests {
     fn a_misspelt_directive_does_not_remove_lines_in_silence() {
         let law = Law::Hertz;
         let (wants, entry) = (Wants::ENERGY, Entry::Sweep);
-        let spec = ShaderSpec { entry, law, modes: 2, wants, measured: true, decay: false, double: false };
+        let (measured, decay, double, one_drive) = (true, false, false, false);
+        let spec = ShaderSpec { entry, law, modes: 2, wants, measured, decay, double, one_drive };
         assert_eq!(spec.expand("a\n//% if energy\nb\n//% end\n"), "a\nb\n");
         assert_eq!(spec.expand("a\n//% if decay\nb\n//% end\n"), "a\n");
         for line in ["if shift", "each modes", "each", "if", "unless decay"] {

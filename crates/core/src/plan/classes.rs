@@ -39,6 +39,7 @@ impl Plan {
             measured: runs,
             decay: entry == Entry::Sweep && self.run.start == Start::Rest,
             double: self.precision == Precision::F64,
+            one_drive: false,
         }
     }
 

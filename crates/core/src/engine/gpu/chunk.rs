@@ -73,7 +73,7 @@ impl<'a> Chunk<'a> {
             states: session.buffer("states", tables.states.bytes(), write)?,
             marks: session.buffer("marks", bytemuck::cast_slice(&tables.marks), write)?,
             going: session.buffer("going", bytemuck::cast_slice(&going), read)?,
-            spec: plan.shader(class, Entry::Sweep),
+            spec: tables.spec,
             plan,
             class,
             session,

@@ -52,6 +52,7 @@ impl Numbers {
 
 /// Input of a chunk of instances on the device.
 pub(super) struct Tables {
+    pub spec: ShaderSpec,
     /// Instance numbers of the plan, in the class's order.
     pub instances: Vec<u32>,
     /// The plan's drives of these instances, in order.
@@ -104,6 +105,11 @@ impl<'a> Driven<'a> {
         Self { members, drives, first_of, drive_of, force_tables: force_tables.into_iter().collect() }
     }
 
+    /// The shader for these instances.
+    pub fn shader(&self, spec: ShaderSpec) -> ShaderSpec {
+        ShaderSpec { one_drive: self.drives.len() == 1, ..spec }
+    }
+
     /// The table of the drives, and after it the force tables of the instances.
     pub fn table(&self, spec: &ShaderSpec, start: Start) -> Numbers {
         let rows: Vec<Vec<f64>> = self.first_of.iter().map(|one| drive_row(spec, *one, start)).collect();
@@ -133,8 +139,8 @@ pub(super) fn tables(
     instances: &[u32],
     saved: Option<&[InstanceCheckpoint]>,
 ) -> Tables {
-    let spec = plan.shader(class, Entry::Sweep);
     let driven = Driven::new(plan, instances);
+    let spec = driven.shader(plan.shader(class, Entry::Sweep));
     let columns: Vec<(Vec<f64>, Vec<f64>)> = (driven.members.par_iter().enumerate())
         .map(|(i, one)| {
             let place = saved.map_or_else(|| begin(*one, plan.run.start), |saved| saved[i]);
@@ -147,6 +153,7 @@ pub(super) fn tables(
         *mark = u32::from(!one.finite);
     }
     Tables {
+        spec,
         instances: instances.to_vec(),
         waves: Numbers::new(spec.double, waves(plan.wants.harmonics, class.steps)),
         drive_table: driven.table(&spec, plan.run.start),
@@ -193,8 +200,8 @@ pub(super) fn slope_tables(
     class: &Class,
     (least, told): (&[f64], impl Fn(u32) -> Vec<f64> + Sync),
 ) -> SlopeTables {
-    let spec = plan.shader(class, Entry::Kicks);
     let driven = Driven::new(plan, &class.instances);
+    let spec = driven.shader(plan.shader(class, Entry::Kicks));
     let levers: Vec<Lever> = driven.first_of.iter().map(|one| lever(*one, spec.modes)).collect();
     let rounded = |value: f64| if spec.double { value } else { f64::from(value as f32) };
     let of = |i: usize, instance: u32| {

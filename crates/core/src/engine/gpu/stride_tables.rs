@@ -55,8 +55,8 @@ pub(super) fn end((steps, rounds): (u32, u32), done: u32, phase: u32) -> Result<
 
 /// The tables of a class whose instances are indices of predictions.
 pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -> StrideTables {
-    let spec = plan.shader(class, Entry::Stride);
     let driven = Driven::new(plan, &class.instances);
+    let spec = driven.shader(plan.shader(class, Entry::Stride));
     let numbers = guesses.numbers;
     let of = |i: usize, instance: u32| {
         let (member, n) = (driven.members[i], instance as usize);
