@@ -47,6 +47,7 @@ impl<'a> Contact<'a> {
     }
 }
 
+const JKR: Contact<'static> = Contact::alone("jkr");
 const HERTZ: Contact<'static> = Contact::alone("hertz");
 const DMT: Contact<'static> = Contact::alone("dmt");
 
@@ -109,7 +110,7 @@ const RETRACT: &str = r#"table = { distance = ["6 nm", "3 nm", "1.5 nm", "0.8 nm
 "#;
 
 /// All of them.
-pub const CONTACTS: [Contact<'static>; 20] = [
+pub const CONTACTS: [Contact<'static>; 24] = [
     Contact { word: "hertz-viscous", own: &[RETARDATION], ..HERTZ },
     Contact { word: "dmt-viscous", own: &[RETARDATION], ..DMT },
     Contact { word: "ad-hoc", own: &[RETARDATION], beside: "viscosity_model = \"ad-hoc\"\n", ..DMT },
@@ -141,6 +142,20 @@ pub const CONTACTS: [Contact<'static>; 20] = [
     },
     Contact { word: "hertz with a neck", beside: INVERSE_SQUARE, own: &NECK, ..HERTZ },
     Contact { word: "dmt with a linear neck", beside: LINEAR, own: &NECK, ..DMT },
+    Contact { word: "jkr with charges", beside: CHARGES, own: &VOLTS, ..JKR },
+    Contact {
+        word: "dmt-viscous with charges",
+        beside: CHARGES,
+        own: &[RETARDATION, VOLTS[0], VOLTS[1]],
+        ..DMT
+    },
+    Contact { word: "dmt-relaxing", own: &RELAXATION, ..DMT },
+    Contact {
+        word: "hertz-relaxing with charges",
+        beside: CHARGES,
+        own: &[RELAXATION[0], RELAXATION[1], VOLTS[0], VOLTS[1]],
+        ..HERTZ
+    },
     Contact { word: "table", law: "table", beside: TABLE, ..HERTZ },
     Contact { word: "table with a way out", law: "table", beside: RETRACT, ..HERTZ },
 ];

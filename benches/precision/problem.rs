@@ -115,10 +115,11 @@ steps_per_period = 256
     let mut scene =
         Scene::parse(Path::new("precision.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
     scene.base.contact.law = match law {
-        Law::None => LawChoice::None,
-        Law::Hertz | Law::ViscousHertz | Law::RelaxingHertz | Law::ShapedHertz => LawChoice::Hertz,
-        Law::Dmt | Law::ViscousDmt | Law::ShapedDmt | Law::Sum | Law::HystereticSum => LawChoice::Dmt,
+        Law::Hertz => LawChoice::Hertz,
+        Law::Dmt => LawChoice::Dmt,
         Law::Jkr => LawChoice::Jkr,
+        // Of all laws the other solvers have these.
+        _ => LawChoice::None,
     };
     scene.output.observables = vec![Observable::Amplitude, Observable::Phase, Observable::ForceMax];
     if law == Law::Jkr {

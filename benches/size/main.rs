@@ -11,8 +11,11 @@ use program::{Folder, Run};
 use serde_json::{Value, json};
 
 /// A sweep of `counts` over work of adhesion, modulus and radius.
+#[derive(Clone, Copy)]
 struct Scene<'a> {
     law: &'a str,
+    /// More lines of `[instrument.tip]`, `[sample]` and `[contact]`.
+    more: [&'a str; 3],
     counts: [usize; 3],
     modulus: &'a str,
     observables: &'a str,
@@ -23,10 +26,27 @@ const SOFT: &str = r#"from = "0.1 GPa", to = "10 GPa""#;
 const HARD: &str = r#"from = "1 GPa", to = "100 GPa""#;
 const USUAL: &str = r#""amplitude", "phase", "force_max""#;
 
+/// Contacts beside the three laws: what they are, their law, and their lines.
+const CONTACTS: [(&str, &str, [&str; 3]); 8] = [
+    ("dmt, viscous", "dmt", ["", LOSS, ""]),
+    ("hertz, relaxing", "hertz", ["", RELAXES, ""]),
+    ("dmt, exact sphere", "dmt", ["shape = \"sphere\"", "", ""]),
+    ("dmt with a charged tip", "dmt", ["", "", CHARGES]),
+    ("dmt with a liquid neck", "dmt", ["", "", NECK]),
+    ("jkr with a charged tip", "jkr", ["", "", CHARGES]),
+    ("dmt, viscous, with a charged tip", "dmt", ["", LOSS, CHARGES]),
+    ("hertz, relaxing, with a charged tip", "hertz", ["", RELAXES, CHARGES]),
+];
+const LOSS: &str = "retardation_time = \"50 ns\"";
+const RELAXES: &str = "instantaneous_modulus = \"20 GPa\"\nrelaxation_time = \"1 us\"";
+const CHARGES: &str = "[[contact.outside]]\nforce = \"electrostatic\"\nbias = \"1 V\"\ncut_off = \"0.5 nm\"";
+const NECK: &str = "[[contact.outside]]\nforce = \"capillary\"\nstrength = \"10 nN\"\nforms_at = \"0.4 nm\"\nbreaks_at = \"2 nm\"";
+
 impl Scene<'_> {
     fn text(&self) -> String {
         let decay = if self.law == "dmt" { "decay_length = \"0.3 nm\"" } else { "" };
         let [adhesion, modulus, radius] = self.counts;
+        let [tip, sample, contact] = self.more;
         let axis = |count: usize, path: &str, range: &str| match count {
             0 | 1 => String::new(),
             _ => format!("\"{path}\" = {{ {range}, points = {count}, scale = \"log\" }}\n"),
@@ -50,13 +70,16 @@ quality_factor = 150
 radius = "20 nm"
 youngs_modulus = "130 GPa"
 poisson_ratio = 0.28
+{tip}
 [sample]
 youngs_modulus = "2 GPa"
 poisson_ratio = 0.3
 surface_energy = "20 mJ/m^2"
+{sample}
 [contact]
 law = "{}"
 {decay}
+{contact}
 [drive]
 frequency = "resonance"
 free_amplitude = "20 nm"
@@ -116,7 +139,9 @@ fn sizes(folder: &Folder, largest: usize) -> Vec<Value> {
         ("jkr", HARD, "1 to 100"),
     ] {
         for count in [100, 1_000, 10_000, 100_000, 1_000_000].into_iter().filter(|count| *count <= largest) {
-            let text = Scene { law, counts: cube(count), modulus, observables: USUAL, run: SEARCHED }.text();
+            let counts = cube(count);
+            let text =
+                Scene { law, more: [""; 3], counts, modulus, observables: USUAL, run: SEARCHED }.text();
             let run = folder.run(&text, &["--no-audit"]);
             let mut one = row(json!({ "law": law, "modulus_gpa": named, "instances": run.instances }), &run);
             parts(&mut one, &run);
@@ -139,32 +164,27 @@ fn parts(row: &mut Value, run: &Run) {
     row["file_us"] = json!(each(run.number(&["writing_time_s"])));
 }
 
-/// Ten thousand instances once, waited for 480 periods of 192 steps.
-fn once(folder: &Folder, head: Value, law: &str, observables: &str, modes: usize, more: &[&str]) -> Value {
+/// Ten thousand instances of a law and what it observes once, waited for 480 periods of 192 steps.
+fn once(folder: &Folder, what: &str, (law, more): (&str, [&str; 3]), kind: (&str, usize, &[&str])) -> Value {
+    let (observables, modes, options) = kind;
     let run = format!("modes = {modes}\nsteps_per_period = 192");
-    let text = Scene { law, counts: cube(10_000), modulus: SOFT, observables, run: &run }.text();
-    let mut options = vec!["--no-estimate", "--no-audit"];
-    options.extend(more);
-    row(head, &folder.run(&text, &options))
+    let scene = Scene { law, more, counts: cube(10_000), modulus: SOFT, observables, run: &run };
+    let options = [&["--no-estimate", "--no-audit"], options].concat();
+    row(json!({ "what": what }), &folder.run(&scene.text(), &options))
 }
 
 fn kinds(folder: &Folder) -> Vec<Value> {
+    let (plain, single) = ([""; 3], ["--precision", "f32"]);
     let mut rows = Vec::new();
-    let single = ["--precision", "f32"];
     for modes in 1..=8 {
-        rows.push(once(
-            folder,
-            json!({ "what": format!("dmt, {modes} modes, f32") }),
-            "dmt",
-            USUAL,
-            modes,
-            &single,
-        ));
+        let what = format!("dmt, {modes} modes, f32");
+        rows.push(once(folder, &what, ("dmt", plain), (USUAL, modes, &single)));
     }
-    for law in ["hertz", "dmt", "jkr"] {
+    let laws = ["hertz", "dmt", "jkr"].map(|law| (law, law, plain));
+    for (name, law, more) in laws.into_iter().chain(CONTACTS) {
         for precision in ["f32", "f64"] {
-            let head = json!({ "what": format!("{law}, 4 modes, {precision}") });
-            rows.push(once(folder, head, law, USUAL, 4, &["--precision", precision]));
+            let what = format!("{name}, 4 modes, {precision}");
+            rows.push(once(folder, &what, (law, more), (USUAL, 4, &["--precision", precision])));
         }
     }
     for observable in [
@@ -180,20 +200,28 @@ fn kinds(folder: &Folder) -> Vec<Value> {
         "virial",
         "harmonic_amplitude",
     ] {
-        let head = json!({ "what": format!("dmt, 4 modes, f32, {observable} alone") });
-        rows.push(once(folder, head, "dmt", &format!("\"{observable}\""), 4, &single));
+        let what = format!("dmt, 4 modes, f32, {observable} alone");
+        rows.push(once(folder, &what, ("dmt", plain), (&format!("\"{observable}\""), 4, &single)));
     }
     for threads in ["1", "2"] {
-        let head = json!({ "what": format!("dmt, 4 modes, f32, threads {threads}") });
-        rows.push(once(folder, head, "dmt", USUAL, 4, &["--precision", "f32", "--threads", threads]));
+        let what = format!("dmt, 4 modes, f32, threads {threads}");
+        let options = ["--precision", "f32", "--threads", threads];
+        rows.push(once(folder, &what, ("dmt", plain), (USUAL, 4, &options)));
     }
     rows
 }
 
 /// From start to file: one instance, many times; quickstart with and without an audit.
 fn ends(folder: &Folder, starts: usize) -> Vec<Value> {
-    let one =
-        Scene { law: "dmt", counts: [1, 1, 1], modulus: SOFT, observables: USUAL, run: SEARCHED }.text();
+    let one = Scene {
+        law: "dmt",
+        more: [""; 3],
+        counts: [1, 1, 1],
+        modulus: SOFT,
+        observables: USUAL,
+        run: SEARCHED,
+    };
+    let one = one.text();
     let mut walls: Vec<Run> =
         (0..starts.max(1)).map(|_| folder.run(&one, &["--backend", "cpu", "--no-audit"])).collect();
     walls.sort_by(|a, b| a.outside.total_cmp(&b.outside));

@@ -55,7 +55,7 @@ const BRIDGE: OutsideForce = OutsideForce::Capillary {
 
 /// Each force with a law and a shape.
 fn contacts() -> Vec<(LawChoice, TipShape, Vec<OutsideForce>)> {
-    use LawChoice::{Dmt, Hertz};
+    use LawChoice::{Dmt, Hertz, Jkr};
     use TipShape::{Paraboloid, Sphere, SpheroCone};
     vec![
         (Hertz, Paraboloid, vec![BIAS]),
@@ -70,6 +70,9 @@ fn contacts() -> Vec<(LawChoice, TipShape, Vec<OutsideForce>)> {
         (Dmt, Paraboloid, vec![NECK, LAYER]),
         (Hertz, Sphere, vec![BRIDGE]),
         (Hertz, SpheroCone, vec![NECK]),
+        (Jkr, Paraboloid, vec![BIAS]),
+        (Jkr, Paraboloid, vec![LAYER, WALLS]),
+        (Jkr, Paraboloid, vec![CONE]),
     ]
 }
 
@@ -119,11 +122,8 @@ fn agree_with_it_to_more_digits_with_more_steps() {
             let (status, _, errors) = checks::compare(&scene, Some(2048), Twin::Kept);
             assert_eq!(status, Status::Ok, "{contact:?}");
             let one = worst(&errors);
-            let bound = if contact.2.iter().any(OutsideForce::remembers) {
-                bounds::NECK_FINE
-            } else {
-                bounds::SHAPES_FINE
-            };
+            let jumps = contact.0 == LawChoice::Jkr || contact.2.iter().any(OutsideForce::remembers);
+            let bound = if jumps { bounds::NECK_FINE } else { bounds::SHAPES_FINE };
             assert!(one.1 < bound, "{contact:?}: {}", checks::show(&errors));
             largest = if one.1 > largest.1 { one } else { largest };
         }

@@ -1,7 +1,7 @@
 //! Samples that relax (standard linear solid). Truth: an independent integrator of the two numbers below, a half-space of many
 //! elements, closed forms, and the laws of which this one is a limit.
 
-use crate::checks::driven_lever::{DrivenLever, GAP, Measured, RADIUS, answer};
+use crate::checks::driven_lever::{DrivenLever, GAP, Measured, RADIUS, Surroundings, WORK, answer};
 use afmsweep::Scene;
 use afmsweep::contact::{Contact, KernelUnits, Law};
 use afmsweep::kernel::LENGTH;
@@ -12,6 +12,7 @@ use std::f64::consts::{PI, TAU};
 /// A lever of one or two modes over a sample that relaxes, driven at its tip. SI units.
 #[derive(Clone, Copy)]
 struct Case {
+    beside: Surroundings,
     lever: DrivenLever,
     /// Relaxed modulus, and by how many times of it the one at once is higher.
     modulus: f64,
@@ -31,7 +32,20 @@ const CASES: [Case; 6] = [
 ];
 
 const fn case(modes: usize, detuning: f64, modulus: f64, ratio: f64, time: f64) -> Case {
-    Case { lever: DrivenLever { modes, detuning }, modulus, ratio, time }
+    let beside = Surroundings { adhesive: false, bias: 0.0 };
+    Case { beside, lever: DrivenLever { modes, detuning }, modulus, ratio, time }
+}
+
+/// With what acts beside the contact: DMT's attraction, charges, or both.
+const BESIDE: [Case; 4] = [
+    beside(true, 0.0, case(1, 1.0, 5e8, 0.3, 0.1)),
+    beside(true, 0.0, case(2, 1.03, 3e8, 1.0, 4.0)),
+    beside(false, 2.0, case(1, 1.0, 1e9, 5.0, 0.5)),
+    beside(true, 1.0, case(1, 0.98, 2e9, 1.0, 0.1)),
+];
+
+const fn beside(adhesive: bool, bias: f64, case: Case) -> Case {
+    Case { beside: Surroundings { adhesive, bias }, ..case }
 }
 
 impl Case {
@@ -42,8 +56,9 @@ impl Case {
     }
 
     fn scene(&self, loss: &str, run: &str) -> Scene {
-        let sample = format!("youngs_modulus = \"{} Pa\"\n{loss}", self.modulus);
-        self.lever.scene([&sample, "law = \"hertz\"", run])
+        let sample =
+            format!("youngs_modulus = \"{} Pa\"\nsurface_energy = \"{WORK} J/m^2\"\n{loss}", self.modulus);
+        self.lever.scene([&sample, &self.beside.text(""), run])
     }
 }
 
@@ -124,6 +139,7 @@ impl Lever {
         rates[OWN..].iter_mut().for_each(|rate| *rate *= self.case.lever.omega() / self.case.time);
         let at_once = self.case.modulus * (1.0 + self.case.ratio);
         let force = 4.0 / 3.0 * at_once / (1.0 - 0.09) * RADIUS.sqrt() * 1e-9f64.powf(1.5) * force;
+        let force = force + self.case.beside.force((-indentation).max(0.0));
         self.case.lever.rates(time, state, (force, self.drive), &mut rates);
         (rates, force)
     }
@@ -156,11 +172,12 @@ impl Lever {
 /// At the steps that the plan chooses the errors are within the accuracy; at 4,096 steps within 1e-6 of their scales.
 #[test]
 fn agree_with_an_independent_integrator() {
-    for (n, case) in CASES.into_iter().enumerate() {
+    for (n, case) in CASES.into_iter().chain(BESIDE).enumerate() {
         // What has not recovered at the next tap settles slowly.
         let periods = if case.time > 1.0 { 150 } else { 75 };
         let truth = Lever::new(case, Sample::Reduced).steady(periods, 12_000);
-        let scales = [1.0, 1.0, truth[2].max(1.0), truth[3], truth[3]];
+        let largest = truth[3].max(-truth[4]);
+        let scales = [1.0, 1.0, truth[2].max(1.0), largest, largest];
         for (accuracy, steps, bound) in [(1e-3, None, 1e-3f64), (1e-4, None, 1e-4), (1e-3, Some(4096), 1e-6)]
         {
             let ours = swept(&case, &case.relaxation(), accuracy, steps);
@@ -185,17 +202,27 @@ fn agree_with_an_independent_integrator() {
 /// Two numbers stand for the whole half-space: within the bounds that docs/method.md states.
 #[test]
 fn agree_with_a_half_space_of_many_elements() {
-    for (n, case) in CASES.into_iter().enumerate() {
-        let truth = Lever::new(case, Sample::Elements(240)).steady(60, 1500);
+    let mut cases = CASES.to_vec();
+    for modulus in [2e7, 5e8, 5e9] {
+        for ratio in [0.3, 1.0, 5.0] {
+            cases.extend([0.02, 0.3, 4.0].map(|time| case(1, 1.0, modulus, ratio, time)));
+        }
+    }
+    for (n, case) in cases.into_iter().enumerate() {
+        let periods = if case.time > 1.0 { 60 } else { 40 };
+        let truth = Lever::new(case, Sample::Elements(240)).steady(periods, 1500);
         let ours = swept(&case, &case.relaxation(), 1e-4, None);
         let (loss, force) = (ours[2] / truth[2] - 1.0, ours[3] / truth[3] - 1.0);
         println!(
-            "case {n}: amplitude {:.1e}, phase {:.1e}, loss {loss:.1e}, force {force:.1e}",
+            "case {n} ({:e} Pa, ratio {}, time {}): amplitude {:.1e}, phase {:.1e}, loss {loss:.1e}, force {force:.1e}",
+            case.modulus,
+            case.ratio,
+            case.time,
             ours[0] - truth[0],
             ours[1] - truth[1]
         );
-        assert!((ours[0] - truth[0]).abs() < 6e-4 && (ours[1] - truth[1]).abs() < 1.2e-3, "case {n}");
-        assert!(loss.abs() < 0.02 && force.abs() < 5e-3, "case {n}: {loss}, {force}");
+        assert!((ours[0] - truth[0]).abs() < 6e-4 && (ours[1] - truth[1]).abs() < 2e-3, "case {n}");
+        assert!(loss.abs() < 0.022 && force.abs() < 5e-3, "case {n}: {loss}, {force}");
     }
 }
 

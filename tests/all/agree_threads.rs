@@ -21,7 +21,7 @@ fn laws() -> impl Iterator<Item = &'static str> {
 
 /// Three axes, one of which changes the instrument's drive.
 fn sweep(law: &str, start: &str, periods: u32) -> Scene {
-    let word = if law.starts_with("sum") { "dmt" } else { law.split('-').next().unwrap_or(law) };
+    let word = checks::law_word(law);
     let text = format!(
         r#"
 [instrument.cantilever]
@@ -54,7 +54,8 @@ measure = 5
     scene.output.observables = Observable::all().collect();
     if law.starts_with("sum") {
         scene.base.contact.outside = checks::outside_forces(law);
-    } else if law.ends_with("-viscous") {
+    }
+    if law.ends_with("-viscous") {
         scene.base.sample.viscosity = Viscosity::RetardationTime(2e-7);
     } else if law.ends_with("-shaped") {
         scene.base.instrument.tip.shape = TipShape::Sphere;

@@ -1,6 +1,8 @@
 //! Viscous samples. Truth: an independent integrator below, closed forms of the loss, the elastic laws.
 
-use crate::checks::driven_lever::{DrivenLever, FREQUENCY, GAP, Measured, RADIUS, answer};
+use crate::checks::driven_lever::{
+    DrivenLever, FREQUENCY, GAP, Measured, RADIUS, Surroundings, WORK, answer,
+};
 use afmsweep::Scene;
 use afmsweep::contact::{Contact, Law};
 use afmsweep::scene::{DriveFrequency, LawChoice, Params, Viscosity, ViscosityModel};
@@ -9,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 /// A lever of one or two modes over a viscous sample, driven at its tip. SI units.
 #[derive(Clone, Copy)]
 struct Case {
-    law: &'static str,
+    beside: Surroundings,
     ad_hoc: bool,
     lever: DrivenLever,
     /// Retardation time times the drive's angular frequency.
@@ -17,11 +19,8 @@ struct Case {
     modulus: f64,
 }
 
-const WORK: f64 = 0.03;
-const DECAY: f64 = 0.3e-9;
-
-/// Both laws and forms, one and two modes, on and off resonance, from hardly viscous to strongly.
-const CASES: [Case; 8] = [
+/// Both laws and forms, one and two modes, on and off resonance, from hardly viscous to strongly; and charged tips.
+const CASES: [Case; 11] = [
     case("hertz", false, 1, 1.0, 0.01, 1e9),
     case("hertz", false, 2, 1.0, 0.1, 2e9),
     case("hertz", false, 1, 0.97, 5.0, 5e7),
@@ -30,17 +29,18 @@ const CASES: [Case; 8] = [
     case("hertz", true, 1, 1.0, 0.1, 1e9),
     case("dmt", true, 2, 1.0, 0.05, 1e9),
     case("dmt", true, 1, 0.97, 1.0, 1e8),
+    charged(2.0, case("hertz", false, 1, 1.0, 0.1, 1e9)),
+    charged(1.0, case("dmt", false, 2, 0.98, 0.5, 5e8)),
+    charged(2.0, case("dmt", true, 1, 1.0, 0.1, 1e9)),
 ];
 
-const fn case(
-    law: &'static str,
-    ad_hoc: bool,
-    modes: usize,
-    detuning: f64,
-    tangent: f64,
-    modulus: f64,
-) -> Case {
-    Case { law, ad_hoc, lever: DrivenLever { modes, detuning }, loss_tangent: tangent, modulus }
+const fn charged(bias: f64, case: Case) -> Case {
+    Case { beside: Surroundings { bias, ..case.beside }, ..case }
+}
+
+const fn case(law: &str, ad_hoc: bool, modes: usize, detuning: f64, tangent: f64, modulus: f64) -> Case {
+    let beside = Surroundings { adhesive: law.len() == "dmt".len(), bias: 0.0 };
+    Case { beside, ad_hoc, lever: DrivenLever { modes, detuning }, loss_tangent: tangent, modulus }
 }
 
 impl Case {
@@ -50,7 +50,7 @@ impl Case {
             self.modulus, self.loss_tangent
         );
         let form = if self.ad_hoc { "ad-hoc" } else { "kelvin-voigt" };
-        let contact = format!("law = \"{}\"\nviscosity_model = \"{form}\"", self.law);
+        let contact = self.beside.text(&format!("viscosity_model = \"{form}\""));
         self.lever.text([&sample, &contact, &format!("accuracy = {accuracy}\nsteady = \"search\"")])
     }
 }
@@ -84,16 +84,16 @@ impl Lever {
     fn force(&self, d: f64, v: f64) -> f64 {
         let kappa = 4.0 / 3.0 * self.case.modulus / (1.0 - 0.09) * RADIUS.sqrt();
         let tau = self.case.loss_tangent / self.case.lever.omega();
-        let adhesion = if self.case.law == "dmt" { TAU * WORK * RADIUS } else { 0.0 };
+        let beside = self.case.beside;
         if !self.inside {
-            return -adhesion / (1.0 - d.min(0.0) / DECAY).powi(2);
+            return beside.force((-d).max(0.0));
         }
         let d = d.max(0.0);
         let contact = match v < 0.0 && !self.case.ad_hoc {
             true => kappa * (d + tau * v).max(0.0).powf(1.5),
             false => kappa * (d.powf(1.5) + 1.5 * tau * d.sqrt() * v),
         };
-        contact - adhesion
+        contact + beside.force(0.0)
     }
 
     fn indentation(&self, state: &[f64; 7]) -> (f64, f64) {

@@ -50,7 +50,7 @@ pub const TABLE_FINE: f64 = 2e-6;
 
 /// JKR's loss per tap at the plan's steps, relative. Seen: 2.5e-4 (4 GPa, 10 nm).
 pub const JKR_LOSS: f64 = 5e-4;
-/// Tips with a liquid neck and 2,048 steps, every observable. Seen: 8.8e-7 (contact time).
+/// Tips with a liquid neck, or under JKR with forces beside it, and 2,048 steps, every observable. Seen: 8.8e-7 (contact time).
 pub const NECK_FINE: f64 = 2e-6;
 /// Loss of a liquid neck at the plan's steps, relative. Seen: 3.8e-4.
 pub const NECK_LOSS: f64 = 5e-4;

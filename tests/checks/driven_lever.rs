@@ -11,6 +11,38 @@ pub const AMPLITUDE: f64 = 20e-9;
 pub const GAP: f64 = 15e-9;
 pub const RADIUS: f64 = 20e-9;
 
+/// The work of adhesion (J/m^2) and the decay length (m) of its cases with DMT's law, and the cut-off (m) of those with a charged
+/// tip.
+pub const WORK: f64 = 0.03;
+pub const DECAY: f64 = 0.3e-9;
+const CUT_OFF: f64 = 0.5e-9;
+
+/// What acts beside a contact: DMT's attraction if `adhesive`, and the force of a tip that is charged to so many volts.
+#[derive(Clone, Copy)]
+pub struct Surroundings {
+    pub adhesive: bool,
+    pub bias: f64,
+}
+
+impl Surroundings {
+    /// Lines of `[contact]`, of which `more` are others.
+    pub fn text(self, more: &str) -> String {
+        let law = if self.adhesive { "dmt" } else { "hertz" };
+        let charges = format!(
+            "[[contact.outside]]\nforce = \"electrostatic\"\nbias = \"{} V\"\ncut_off = \"{CUT_OFF} m\"",
+            self.bias
+        );
+        format!("law = \"{law}\"\n{more}\n{}", if self.bias == 0.0 { "" } else { &charges })
+    }
+
+    /// Its force (N) at a distance (m), 0 in contact.
+    pub fn force(self, away: f64) -> f64 {
+        let adhesion = if self.adhesive { TAU * WORK * RADIUS } else { 0.0 };
+        let charged = PI * 8.854_187_812_8e-12 * RADIUS * self.bias * self.bias / CUT_OFF;
+        -adhesion / (1.0 + away / DECAY).powi(2) - charged / (1.0 + away / CUT_OFF)
+    }
+}
+
 /// The lever, and the drive's frequency over that of its first mode.
 #[derive(Clone, Copy)]
 pub struct DrivenLever {

@@ -142,9 +142,19 @@ pub fn force_law(plan: &Plan, instance: usize) -> Force {
                 _ => Force::Indenter { e, tip, pull, d0 },
             }
         }
-        Law::ViscousHertz | Law::ViscousDmt | Law::RelaxingHertz => {
+        Law::JkrSum => Force::JkrBeside { k, r, w, outside: outside(contact) },
+        Law::ViscousHertz | Law::ViscousDmt | Law::RelaxingHertz | Law::ViscousSum | Law::RelaxingSum => {
             unreachable!("the independent program has elastic samples")
         }
+    }
+}
+
+/// The word of a scene whose contact, with what tests put beside it, has the law of this name.
+pub fn law_word(law: &str) -> &str {
+    match law.strip_prefix("sum") {
+        Some("-jkr") => "jkr",
+        Some(_) => "dmt",
+        None => law.split('-').next().unwrap_or(law),
     }
 }
 

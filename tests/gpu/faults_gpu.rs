@@ -89,6 +89,15 @@ const FAULTS: &[Fault] = &[
     ("sum-hysteretic", "force at the event for that on the way", |text| {
         swap(&text, "THIRD * (TWO * t37 + (", "THIRD * (TWO * t37 - (")
     }),
+    ("sum-jkr", "a contact whose path no force bends", |text| {
+        swap(&text, "let t24 = at.acceleration - t21;", "let t24 = at.acceleration;")
+    }),
+    ("sum-viscous", "forces met along a path without the contact's kick", |text| {
+        swap(&text, "-QUARTER * (t51 + t21) + HALF * at.speed", "-QUARTER * t21 + HALF * at.speed")
+    }),
+    ("sum-relaxing", "bend of the path with the other sign", |text| {
+        swap(&text, "return Kick(-(at.acceleration", "return Kick((at.acceleration")
+    }),
 ];
 
 /// Faults that no test should see: the text says the same.

@@ -37,7 +37,7 @@ pub fn scene(law: &str, start: &str, modes: usize, steps: u32, periods: u32) -> 
             format!("modes = [{}]", (0..modes).map(mode).collect::<Vec<_>>().join(", "))
         }
     };
-    let word = if law.starts_with("sum") { "dmt" } else { law.split('-').next().unwrap_or(law) };
+    let word = checks::law_word(law);
     let text = format!(
         r#"
 [instrument.cantilever]
@@ -70,7 +70,8 @@ steps_per_period = {steps}
     scene.output.observables = Observable::all().collect();
     if law.starts_with("sum") {
         scene.base.contact.outside = checks::outside_forces(law);
-    } else if law.ends_with("-relaxing") {
+    }
+    if law.ends_with("-relaxing") {
         scene.base.sample.viscosity = Viscosity::Relaxing { modulus: 6e10, time: 2e-7 };
     } else if law.ends_with("-shaped") {
         // Of each kind of power one; under DMT's attraction a sphere.

@@ -170,7 +170,7 @@ def check_group(name, data, root):
             assert not (size < 0).any() and not (lag < 0).any() and not (lag >= 360).any(), key
             assert same(np.isnan(lag), np.isnan(size) | (size == 0)), key
     elif name == "force_curves":
-        check_flags(data["law"], ["none", "hertz", "dmt", "jkr", "hertz-viscous", "dmt-viscous", "hertz-relaxing", "hertz-shaped", "dmt-shaped", "sum", "sum-hysteretic"])
+        check_flags(data["law"], ["none", "hertz", "dmt", "jkr", "hertz-viscous", "dmt-viscous", "hertz-relaxing", "hertz-shaped", "dmt-shaped", "sum", "sum-hysteretic", "sum-jkr", "sum-viscous", "sum-relaxing"])
         check_flags(data["branch"], ["approach", "retract"])
         assert data["instance"].dims == data["points"].dims == ("curve",)
         for key in ["indentation", "force", "contact_radius"]:

@@ -21,6 +21,14 @@ pub enum Law {
         r: f64,
         w: f64,
     },
+    /// JKR's contact with forces beside it, which keep their value at touch inside; while its neck holds a tip that is out of the
+    /// surface they go by the distance.
+    JkrBeside {
+        k: f64,
+        r: f64,
+        w: f64,
+        outside: [Outside; 4],
+    },
     /// `e` is the plane-strain modulus E*, `pull` DMT's attraction in N with its decay length `d0`.
     Indenter {
         e: f64,
@@ -213,7 +221,7 @@ impl Law {
     /// The root of the contact radius at which contact ends; of JKR alone.
     pub fn fold(&self) -> f64 {
         match *self {
-            Law::Jkr { k, r, w } => fold(k, r, w),
+            Law::Jkr { k, r, w } | Law::JkrBeside { k, r, w, .. } => fold(k, r, w),
             _ => 0.0,
         }
     }
@@ -252,6 +260,10 @@ impl Law {
                 let act = if neck.is_some_and(|neck| !neck.acts) { 3 } else { 4 };
                 contact + outside[..act].iter().map(|one| one.force(d, touch)).sum::<f64>()
             }
+            Law::JkrBeside { k, r, w, outside } => {
+                let contact = Law::Jkr { k, r, w }.force_from(fold, d, touch);
+                contact + outside.iter().map(|one| one.force(d, touch && d >= 0.0)).sum::<f64>()
+            }
             Law::Jkr { k, r, w } => {
                 if touch {
                     let b = root_of_radius(fold, r, d);
@@ -267,7 +279,7 @@ impl Law {
     /// Indentation at which contact ends.
     pub fn release(&self) -> f64 {
         match *self {
-            Law::Jkr { k, r, w } => {
+            Law::Jkr { k, r, w } | Law::JkrBeside { k, r, w, .. } => {
                 let b = fold(k, r, w);
                 -3.0 * b.powi(4) / r
             }
@@ -299,7 +311,7 @@ impl Law {
 
     /// Where between two indentations a force beside a contact is least or largest.
     pub fn extremes_between(&self, [from, to]: [f64; 2], touch: bool) -> Vec<f64> {
-        if !matches!(self, Law::Beside { .. }) {
+        if !matches!(self, Law::Beside { .. } | Law::JkrBeside { .. }) {
             return Vec::new();
         }
         let at = |n: i32| from + (to - from) * f64::from(n) / 16.0;

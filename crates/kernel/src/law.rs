@@ -42,6 +42,12 @@ macro_rules! laws {
             Sum = 9, "sum", ForceSum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
             /// The same, where one of the forces acts only from where it forms to where it breaks.
             HystereticSum = 10, "sum-hysteretic", HystereticSum { attraction: Distant, hysteresis: true, wide: [], narrow: [2 24] };
+            /// JKR's contact with such forces beside it.
+            JkrSum = 11, "sum-jkr", JkrSum { attraction: Distant, hysteresis: true, wide: [], narrow: [2 24] };
+            /// A viscous sample (Kelvin-Voigt) with such forces beside the contact.
+            ViscousSum = 12, "sum-viscous", ViscousSum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 24] };
+            /// A sample that relaxes with such forces, or DMT's attraction, beside the contact.
+            RelaxingSum = 13, "sum-relaxing", RelaxingSum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 24] };
         }
     };
 }
@@ -238,13 +244,18 @@ impl Law {
         match self {
             Self::Hertz => Some(Self::ViscousHertz),
             Self::Dmt => Some(Self::ViscousDmt),
+            Self::Sum => Some(Self::ViscousSum),
             _ => None,
         }
     }
 
     /// The same law with a sample that relaxes, where there is one.
     pub fn relaxing(self) -> Option<Self> {
-        (self == Self::Hertz).then_some(Self::RelaxingHertz)
+        match self {
+            Self::Hertz => Some(Self::RelaxingHertz),
+            Self::Dmt | Self::Sum => Some(Self::RelaxingSum),
+            _ => None,
+        }
     }
 
     /// The same law under a tip that is no paraboloid, where there is one.
@@ -258,18 +269,25 @@ impl Law {
 
     /// The law of the same contact with other forces beside it, where there is one.
     pub fn summed(self) -> Option<Self> {
-        let known = [Self::None, Self::Hertz, Self::Dmt, Self::ShapedHertz, Self::ShapedDmt, Self::Sum];
-        known.contains(&self).then_some(Self::Sum)
+        match self {
+            Self::None | Self::Hertz | Self::Dmt | Self::ShapedHertz | Self::ShapedDmt | Self::Sum => {
+                Some(Self::Sum)
+            }
+            Self::Jkr => Some(Self::JkrSum),
+            _ => None,
+        }
     }
 
     /// Whether it is a contact with other forces beside it.
     pub fn is_sum(self) -> bool {
-        matches!(self, Self::Sum | Self::HystereticSum)
+        let elastic = matches!(self, Self::Sum | Self::HystereticSum | Self::JkrSum);
+        elastic || matches!(self, Self::ViscousSum | Self::RelaxingSum)
     }
 
     /// Whether the sample takes time to yield or to recover, so that the force depends on how the tip came here.
     pub fn is_viscous(self) -> bool {
-        matches!(self, Self::ViscousHertz | Self::ViscousDmt | Self::RelaxingHertz)
+        let alone = matches!(self, Self::ViscousHertz | Self::ViscousDmt | Self::RelaxingHertz);
+        alone || matches!(self, Self::ViscousSum | Self::RelaxingSum)
     }
 
     /// Whether there is a sample at all.

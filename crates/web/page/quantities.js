@@ -117,9 +117,18 @@ function addTip() {
 }
 
 const otherForces = has('contact.outside') || has('contact.table');
+/** Whether one of them acts only from where it forms to where it breaks. */
+const remembers =
+  has('contact.table.force_retract') ||
+  /** @type {Table[]} */ (at(START.base, 'contact.outside') ?? []).some((one) => one.force === 'capillary');
 const relaxing = has('sample.instantaneous_modulus');
 /** Whether the sample may lose energy by a loss tangent. */
-const takesLoss = tipShape === 'paraboloid' && !otherForces && !relaxing && !has('sample.thickness');
+const takesLoss =
+  tipShape === 'paraboloid' &&
+  !remembers &&
+  !relaxing &&
+  !has('sample.thickness') &&
+  at(START.base, 'contact.law') !== 'table';
 
 function addSample() {
   addQuantity('Sample', 'e', 'sample.youngs_modulus', 'Modulus', 'Pa', 1e3, 300e9);

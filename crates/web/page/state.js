@@ -77,13 +77,11 @@ const losesEnergy = () => ['lt', 'eta', 'tr'].some((id) => hasQuantity(id) && va
 function lawRefused(law) {
   if (law === 'hertz') return '';
   const lossy = losesEnergy();
-  if (law === 'dmt') {
-    if (relaxing) return 'A sample that relaxes is known with Hertz only.';
-    return roundTip ? '' : 'Adhesion is known for a round tip only.';
-  }
+  if (law === 'dmt') return roundTip ? '' : 'Adhesion is known for a round tip only.';
   if (lossy) return 'A viscous contact is not known with JKR. Set the loss to zero first.';
-  if (relaxing) return 'A sample that relaxes is known with Hertz only.';
-  if (otherForces) return 'Other forces are known with Hertz and DMT only.';
+  if (relaxing) return 'A sample that relaxes is known with Hertz and DMT only.';
+  if (remembers) return 'A force that remembers is known with Hertz and DMT only.';
+  if (otherForces && law === 'auto') return "Tabor's parameter knows the contact's adhesion alone.";
   if (tipShape !== 'paraboloid') return 'JKR knows the paraboloid alone.';
   if (has('sample.thickness')) return 'A layer is known with Hertz and DMT only.';
   if (has('sample.hamaker') && law === 'jkr') return 'A Hamaker constant goes with DMT only.';

@@ -79,7 +79,7 @@ impl<L: Lane> Beside<L> for Joined<'_, L> {
             #[inline(always)]
             || L::select(self.holds, self.sum.neck.pull.sample(indentation), zero),
         );
-        self.sum.others.sampled(contact, indentation) + (pull + self.impulse)
+        self.sum.others.terms.sampled(contact, indentation) + (pull + self.impulse)
     }
 
     #[inline(always)]
@@ -95,7 +95,7 @@ impl<L: Lane> Beside<L> for Joined<'_, L> {
                 all.zip(none, &mut |held, none| L::select(self.holds, held, none))
             },
         );
-        let others = self.sum.others.along(path)?;
+        let others = self.sum.others.terms.along(path)?;
         Some(TermMean {
             force: others.force + (held.force + self.impulse),
             slope: others.slope + held.slope,

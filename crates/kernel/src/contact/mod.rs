@@ -1,5 +1,6 @@
 //! The laws as the kernel needs them: mean force along a piece of the tip's path, and when within the step it acts.
 
+mod accompanied;
 mod dmt;
 pub mod force_table;
 mod hertz;
@@ -12,6 +13,7 @@ mod relaxing_hertz;
 mod shaped;
 mod sum;
 
+pub use accompanied::Accompanied;
 pub use dmt::{Dmt, Tail};
 pub use hertz::{Elastic, Hertz};
 pub use hysteretic_sum::HystereticSum;
@@ -137,6 +139,13 @@ pub type ShapedDmt<L> = Dmt<L, ShapedHertz<L>>;
 pub type ViscousHertz<L> = KelvinVoigt<L, Clean>;
 /// The same under DMT's attraction.
 pub type ViscousDmt<L> = KelvinVoigt<L, Tail<L>>;
+
+/// JKR's contact with forces beside it.
+pub type JkrSum<L> = Accompanied<L, Jkr<L>>;
+/// A Kelvin-Voigt sample with forces beside the contact, DMT's attraction among them.
+pub type ViscousSum<L> = Accompanied<L, ViscousDmt<L>>;
+/// A sample that relaxes with forces beside the contact.
+pub type RelaxingSum<L> = Accompanied<L, RelaxingHertz<L>>;
 
 /// No sample at all.
 #[derive(Clone, Copy, Debug)]

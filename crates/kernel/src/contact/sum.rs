@@ -19,12 +19,16 @@ pub(super) struct Term<L> {
     table: L,
 }
 
+/// Tabulated forces that act together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Terms<L, const N: usize = TERMS>([Term<L>; N]);
+
 /// A contact with what acts beside it.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceSum<L, const N: usize = TERMS> {
     contact: ShapedHertz<L>,
     tail: Tail<L>,
-    terms: [Term<L>; N],
+    pub(super) terms: Terms<L, N>,
 }
 
 impl<L: Lane, const N: usize> ForceSum<L, N> {
@@ -33,14 +37,13 @@ impl<L: Lane, const N: usize> ForceSum<L, N> {
     pub(super) fn of(mut next: impl FnMut() -> L) -> Self {
         let contact = <ShapedHertz<L> as Elastic<L>>::from_numbers(&mut next);
         let tail = Tail { adhesion: next(), inverse_decay: next() };
-        let terms = std::array::from_fn(|_| Term::from_numbers(&mut next));
-        Self { contact, tail, terms }
+        Self { contact, tail, terms: Terms::from_numbers(next) }
     }
 
     /// The force at an indentation.
     #[inline(always)]
     pub(super) fn sample(&self, indentation: L) -> L {
-        self.sampled(tail_sample((&self.contact, &self.tail), indentation), indentation)
+        self.terms.sampled(tail_sample((&self.contact, &self.tail), indentation), indentation)
     }
 
     /// The kick, with what acts beside the contact, and the mean slope of all these forces.
@@ -163,12 +166,41 @@ impl<L: Lane> Term<L> {
     }
 }
 
-/// Its terms alone.
-impl<L: Lane, const N: usize> Beside<L> for ForceSum<L, N> {
+impl<L: Lane, const N: usize> Terms<L, N> {
+    /// Of their constants, in the order of [`TERM_FIELDS`].
+    #[inline(always)]
+    pub(super) fn from_numbers(mut next: impl FnMut() -> L) -> Self {
+        Self(std::array::from_fn(|_| Term::from_numbers(&mut next)))
+    }
+
+    /// What they come to along a piece of path.
+    #[inline(always)]
+    pub(super) fn mean(&self, path: Path<L>) -> TermMean<L> {
+        let zero = L::splat(ZERO);
+        let none = TermMean { force: zero, slope: zero, lean: zero };
+        let mut sum = none;
+        for term in &self.0 {
+            let one = when(
+                term.acts(),
+                none,
+                #[inline(always)]
+                || term.along(path),
+            );
+            sum = TermMean {
+                force: sum.force + one.force,
+                slope: sum.slope + one.slope,
+                lean: sum.lean + one.lean,
+            };
+        }
+        sum
+    }
+}
+
+impl<L: Lane, const N: usize> Beside<L> for Terms<L, N> {
     #[inline(always)]
     fn sampled(&self, contact: L, indentation: L) -> L {
         let mut sum = contact;
-        for term in &self.terms {
+        for term in &self.0 {
             let zero = L::splat(ZERO);
             sum = sum
                 + when(
@@ -183,40 +215,12 @@ impl<L: Lane, const N: usize> Beside<L> for ForceSum<L, N> {
 
     #[inline(always)]
     fn along(&self, path: Path<L>) -> Option<TermMean<L>> {
-        let zero = L::splat(ZERO);
-        let none = TermMean { force: zero, slope: zero, lean: zero };
-        let mut sum = none;
-        for term in &self.terms {
-            let one = when(
-                term.acts(),
-                none,
-                #[inline(always)]
-                || term.along(path),
-            );
-            sum = TermMean {
-                force: sum.force + one.force,
-                slope: sum.slope + one.slope,
-                lean: sum.lean + one.lean,
-            };
-        }
-        Some(sum)
+        Some(self.mean(path))
     }
 }
 
-/// The powers, DMT's attraction, and of each term three.
-pub(super) const FIELDS: [&str; POWERS + 2 + 3 * TERMS] = [
-    "force_2",
-    "force_3",
-    "force_4",
-    "force_5",
-    "force_6",
-    "force_7",
-    "force_8",
-    "force_9",
-    "force_10",
-    "force_11",
-    "adhesion",
-    "inverse_decay",
+/// Of each term three.
+pub(super) const TERM_FIELDS: [&str; 3 * TERMS] = [
     "scale_0",
     "inverse_length_0",
     "table_0",
@@ -231,6 +235,18 @@ pub(super) const FIELDS: [&str; POWERS + 2 + 3 * TERMS] = [
     "table_3",
 ];
 
+/// The powers and DMT's attraction, and the terms.
+pub(super) const FIELDS: [&str; POWERS + 2 + TERM_FIELDS.len()] = {
+    let contact = <ShapedHertz<f64> as Elastic<f64>>::WITH_TAIL;
+    let mut all = [""; POWERS + 2 + TERM_FIELDS.len()];
+    let mut n = 0;
+    while n < all.len() {
+        all[n] = if n < contact.len() { contact[n] } else { TERM_FIELDS[n - contact.len()] };
+        n += 1;
+    }
+    all
+};
+
 impl<L: Lane> Interaction<L> for ForceSum<L> {
     const FIELDS: &'static [&'static str] = &FIELDS;
     const SHIFTS: bool = true;
@@ -242,7 +258,7 @@ impl<L: Lane> Interaction<L> for ForceSum<L> {
 
     #[inline(always)]
     fn kick(&self, at: Approach<L>, _touching: L) -> Kick<L> {
-        self.kick_with(self, at).0
+        self.kick_with(&self.terms, at).0
     }
 }
 

@@ -145,9 +145,20 @@ impl Compact {
         }
     }
 
+    /// The forces beside the contact with DMT's attraction among them, if the scene has that.
+    pub(super) fn with_attraction(&self) -> [Option<TermForce>; TERMS] {
+        let mut terms = self.terms;
+        let free = terms.iter_mut().find(|term| term.is_none());
+        if let Some(slot) = free.filter(|_| self.choice == LawChoice::Dmt) {
+            *slot = Some(TermForce::inverse_square(-2.0 * PI * self.work * self.radius, self.decay_length));
+        }
+        terms
+    }
+
     /// Where adhesion of the contact itself acts.
     pub(super) fn attraction(&self) -> Attraction {
         match (self.law, self.choice) {
+            (Law::JkrSum, _) => Attraction::Contact,
             (law, LawChoice::Dmt) if law.is_sum() => Attraction::Distant,
             (law, _) if law.is_sum() => Attraction::None,
             (law, _) => law.attraction(),

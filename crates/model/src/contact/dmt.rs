@@ -95,10 +95,11 @@ impl<E: StaticLaw> StaticLaw for Dmt<E> {
     }
 
     fn constants(&self, units: KernelUnits) -> Vec<f64> {
-        let pull = 2.0 * PI * self.radius * self.work * units.impulse;
-        let mut all = self.elastic.constants(units);
-        all.extend([pull, LENGTH / self.decay_length]);
-        all
+        [self.elastic.constants(units), self.tail_constants(units)].concat()
+    }
+
+    fn tail_constants(&self, units: KernelUnits) -> Vec<f64> {
+        vec![2.0 * PI * self.radius * self.work * units.impulse, LENGTH / self.decay_length]
     }
 
     /// Falls from outside to first touch and rises from there.

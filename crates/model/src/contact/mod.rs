@@ -16,16 +16,18 @@
 //! | [`Dmt`] | `K sqrt(R) delta^1.5 - 2 pi w R` | `-2 pi w R/(1 - delta/D0)^2` | no |
 //! | [`ShapedHertz`] | a tip of another shape, or a thin [`Layer`]; DMT's attraction under a round tip | as above | no |
 //! | [`Viscous`] | those of Hertz and DMT with a term of the rate, see there | those | no |
-//! | [`RelaxingHertz`] | that of Hertz with a modulus that falls from one value to another | 0 | no |
+//! | [`Relaxing`] | that of Hertz with a modulus that falls from one value to another | 0, or forces beside it | no |
 //! | [`ForceSum`] | a contact without adhesion or DMT's, or none, and up to four forces beside it | those | no |
 //! | [`HystereticSum`] | the same, where one of these forces remembers | those | from where that forms to where it breaks |
 //! | [`Jkr`] | `K a^3/R - sqrt(6 pi w K a^3)` | 0 | from touch at 0 to the fold at `-3 a_s^2/R` |
+//! | [`JkrSum`] | the same and up to four forces beside it | those | the same |
 
 mod contact_parameters;
 mod dmt;
 mod hertz;
 mod hysteretic_sum;
 mod jkr;
+mod jkr_sum;
 mod layer;
 mod no_sample;
 mod ramp;
@@ -45,9 +47,10 @@ pub use dmt::Dmt;
 pub use hertz::Hertz;
 pub use hysteretic_sum::HystereticSum;
 pub use jkr::Jkr;
+pub use jkr_sum::JkrSum;
 pub use layer::{LAYER_REACH, Layer};
 pub use ramp::{Jump, Ramp, RampCurve};
-pub use relaxing::RelaxingHertz;
+pub use relaxing::Relaxing;
 pub use shaped::ShapedHertz;
 pub use shaped::{HYPERBOLOID_REACH, SPHERE_REACH};
 pub use sphero_cone::{SPHERO_CONE_REACH, SpheroCone};
@@ -60,8 +63,9 @@ pub use warning::{RIGID_TIP_MODULUS, SMALL_STRAIN, Warning};
 
 use crate::scene::{Adhesion, Params, Viscosity};
 use no_sample::Nothing;
+use relaxing::{RelaxingHertz, RelaxingSum};
 use std::f64::consts::PI;
-use viscous::{ViscousDmt, ViscousHertz};
+use viscous::{ViscousDmt, ViscousHertz, ViscousSum};
 
 type ShapedDmt = Dmt<ShapedHertz>;
 
@@ -312,6 +316,9 @@ mod tests {
             "dmt-shaped",
             "sum",
             "sum-hysteretic",
+            "sum-jkr",
+            "sum-viscous",
+            "sum-relaxing",
         ];
         assert_eq!(Law::ALL.map(Law::name), names);
         for law in Law::ALL {

@@ -1,6 +1,7 @@
 //! A standard linear solid under Hertz's law.
 
-use super::{Compact, Hertz, KernelUnits, Passed, StaticLaw, modulus_of};
+use super::static_law::Shares;
+use super::{Compact, ForceSum, Hertz, KernelUnits, Passed, StaticLaw, modulus_of};
 use crate::scene::Params;
 
 /// A sample of two springs, one of which yields by a dashpot: at once it has one modulus, after a while another.
@@ -8,16 +9,22 @@ use crate::scene::Params;
 /// The static force is that of the relaxed modulus. Slopes, and whatever else is asked for a collision, are those of the
 /// modulus at once. docs/method.md derives the two numbers that the sample remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RelaxingHertz {
+pub struct Relaxing<B> {
+    /// The whole force of the relaxed sample, and its contact.
+    base: B,
     relaxed: Hertz,
     instantaneous: Hertz,
     /// s
     retardation: f64,
 }
 
-impl From<&Compact> for RelaxingHertz {
+pub(super) type RelaxingHertz = Relaxing<Hertz>;
+pub(super) type RelaxingSum = Relaxing<ForceSum>;
+
+impl<B: for<'a> From<&'a Compact>> From<&Compact> for Relaxing<B> {
     fn from(of: &Compact) -> Self {
         Self {
+            base: of.into(),
             relaxed: of.into(),
             instantaneous: Hertz::new(of.instantaneous, of.radius),
             retardation: of.retardation,
@@ -33,7 +40,7 @@ impl Compact {
         match self.law.relaxing() {
             Some(law) if instantaneous != self.modulus => {
                 let retardation = time * modulus / params.sample.youngs_modulus;
-                Self { law, instantaneous, retardation, ..self }
+                Self { law, instantaneous, retardation, terms: self.with_attraction(), ..self }
             }
             _ => self,
         }
@@ -51,21 +58,22 @@ fn kept(q: f64) -> [f64; 3] {
     [left, mean, bent]
 }
 
-impl StaticLaw for RelaxingHertz {
+impl<B: StaticLaw> StaticLaw for Relaxing<B> {
     fn force(&self, delta: f64, in_contact: bool) -> f64 {
-        self.relaxed.force(delta, in_contact)
+        self.base.force(delta, in_contact)
     }
 
     fn stiffness(&self, delta: f64, in_contact: bool) -> f64 {
-        self.instantaneous.stiffness(delta, in_contact)
+        let beside = self.base.stiffness(delta, in_contact) - self.relaxed.stiffness(delta, in_contact);
+        self.instantaneous.stiffness(delta, in_contact) + beside
     }
 
     fn energy(&self, delta: f64, in_contact: bool) -> f64 {
-        self.relaxed.energy(delta, in_contact)
+        self.base.energy(delta, in_contact)
     }
 
     fn contact_radius(&self, delta: f64, in_contact: bool) -> f64 {
-        self.relaxed.contact_radius(delta, in_contact)
+        self.base.contact_radius(delta, in_contact)
     }
 
     fn elastic_force(&self, depth: f64) -> f64 {
@@ -84,14 +92,40 @@ impl StaticLaw for RelaxingHertz {
         let gain = -(-q).exp_m1() / rest;
         let mean_gain = (0.5 * -(-q).exp_m1() + bent) / rest;
         let stiffness = self.instantaneous.scaled(units);
-        vec![stiffness, 1.0 - rest, left, mean, gain, mean_gain, bent / rest, -bent / (rest * q)]
+        let own = [stiffness, 1.0 - rest, left, mean, gain, mean_gain, bent / rest, -bent / (rest * q)];
+        [&own, &self.base.term_constants(units)[..]].concat()
     }
 
     fn recovery(&self) -> f64 {
         1.0 / self.retardation
     }
 
+    /// What was followed, and outside contact what acts there.
     fn forces(&self, passed: &Passed) -> (f64, f64) {
-        passed.forces
+        let (least, most) = passed.forces;
+        let outside = Passed { deepest: passed.deepest.min(0.0), ..*passed };
+        match passed.highest < 0.0 {
+            true => {
+                let beside = self.base.forces(&outside);
+                (least.min(beside.0), most.max(beside.1))
+            }
+            false => (least, most),
+        }
+    }
+
+    fn zero_force(&self) -> f64 {
+        self.base.zero_force()
+    }
+
+    fn pull_off(&self) -> f64 {
+        self.base.pull_off()
+    }
+
+    fn attraction_slope(&self) -> f64 {
+        self.base.attraction_slope()
+    }
+
+    fn outside(&self, deepest: f64, shares: Shares) -> Vec<f64> {
+        self.base.outside(deepest, shares)
     }
 }

@@ -22,6 +22,14 @@ pub trait StaticLaw {
     /// The kernel's constants in its units, in the order of its fields ([`crate::kernel::contact::Interaction::FIELDS`]).
     fn constants(&self, units: KernelUnits) -> Vec<f64>;
 
+    /// Of these constants those of DMT's attraction.
+    fn tail_constants(&self, _units: KernelUnits) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Of these constants those of the tabulated forces beside the contact.
+    fn term_constants(&self, _units: KernelUnits) -> Vec<f64> {
+        Vec::new()
+    }
     /// Elastic part of the force (N) at a depth (m): what is left without adhesion.
     fn elastic_force(&self, depth: f64) -> f64 {
         self.force(depth, true)

@@ -1,7 +1,7 @@
 //! A contact and the forces beside it.
 
 use super::static_law::Shares;
-use super::{Compact, Dmt, KernelUnits, Passed, ShapedHertz, StaticLaw};
+use super::{Compact, Dmt, KernelUnits, Law, Passed, ShapedHertz, StaticLaw};
 use crate::kernel::LENGTH;
 use crate::kernel::contact::TERMS;
 use crate::kernel::contact::force_table::{ForceTable, INVERSE, KNOTS};
@@ -21,7 +21,9 @@ pub struct ForceSum {
 
 impl From<&Compact> for ForceSum {
     fn from(of: &Compact) -> Self {
-        let work = if of.choice == LawChoice::Dmt { of.work } else { 0.0 };
+        // Beside a sample that relaxes the attraction is one of the terms.
+        let pulls = of.choice == LawChoice::Dmt && of.law != Law::RelaxingSum;
+        let work = if pulls { of.work } else { 0.0 };
         let contact = match of.choice {
             LawChoice::Sum => Dmt::from(&Compact { modulus: 0.0, work, ..*of }),
             _ => Dmt::from(&Compact { work, ..*of }),
@@ -32,6 +34,11 @@ impl From<&Compact> for ForceSum {
 }
 
 impl ForceSum {
+    /// The forces beside a contact, without it.
+    pub(super) fn beside_contact(of: &Compact) -> Self {
+        Self::from(&Compact { choice: LawChoice::Sum, ..*of })
+    }
+
     /// The same without the last of the forces beside the contact.
     pub(super) fn without_last(mut self) -> Self {
         self.terms[TERMS - 1] = None;
@@ -46,6 +53,11 @@ impl ForceSum {
 
     /// The least and the largest force between two indentations; not numbers where these are none.
     pub(super) fn extremes(&self, low: f64, high: f64) -> [f64; 2] {
+        self.extremes_of((low, high), |delta| self.force(delta, delta > 0.0))
+    }
+
+    /// The same of a `force` of which this one is a part.
+    pub(super) fn extremes_of(&self, (low, high): (f64, f64), force: impl Fn(f64) -> f64) -> [f64; 2] {
         let reach = self.terms.iter().flatten().fold(self.contact.decay(), |least, term| {
             let inner = ForceTable::numbered(term.table).ends().1.abs().max(1.0);
             least.min(term.length * inner)
@@ -66,7 +78,7 @@ impl ForceSum {
         places.sort_by(f64::total_cmp);
         places.dedup();
         [1.0, -1.0].map(|sign| {
-            let cost = |delta: f64| sign * self.force(delta, delta > 0.0);
+            let cost = |delta: f64| sign * force(delta);
             let best = (0..places.len()).min_by(|a, b| cost(places[*a]).total_cmp(&cost(places[*b])));
             let Some(best) = best else { return f64::NAN };
             let (mut left, mut right) =
@@ -118,13 +130,20 @@ impl StaticLaw for ForceSum {
     }
 
     fn constants(&self, units: KernelUnits) -> Vec<f64> {
-        let mut all = self.contact.constants(units);
-        for term in self.terms {
-            let none = TermForce { amplitude: 0.0, length: LENGTH, table: 0 };
+        [self.contact.constants(units), self.term_constants(units)].concat()
+    }
+
+    fn tail_constants(&self, units: KernelUnits) -> Vec<f64> {
+        self.contact.tail_constants(units)
+    }
+
+    fn term_constants(&self, units: KernelUnits) -> Vec<f64> {
+        let none = TermForce { amplitude: 0.0, length: LENGTH, table: 0 };
+        let of = |term: Option<TermForce>| {
             let term = term.unwrap_or(none);
-            all.extend([term.amplitude * units.impulse, LENGTH / term.length, term.table as f64]);
-        }
-        all
+            [term.amplitude * units.impulse, LENGTH / term.length, term.table as f64]
+        };
+        self.terms.into_iter().flat_map(of).collect()
     }
 
     /// What is left without the force at touch.

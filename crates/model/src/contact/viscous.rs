@@ -1,7 +1,7 @@
 //! A Kelvin-Voigt sample under Hertz's and DMT's laws.
 
 use super::static_law::Shares;
-use super::{Compact, Contact, Dmt, Hertz, KernelUnits, Passed, StaticLaw};
+use super::{Compact, Contact, Dmt, ForceSum, Hertz, KernelUnits, Passed, StaticLaw};
 
 /// The law `B` of a sample that also resists the rate of indentation `v`, with retardation time `tau` = viscosity / modulus.
 ///
@@ -20,6 +20,7 @@ pub struct Viscous<B> {
 
 pub(super) type ViscousHertz = Viscous<Hertz>;
 pub(super) type ViscousDmt = Viscous<Dmt>;
+pub(super) type ViscousSum = Viscous<ForceSum>;
 
 impl Contact {
     /// Time by which a viscous sample's force runs ahead of its elastic part, s. A sample that relaxes has its stiffness at
@@ -76,9 +77,9 @@ impl<B: StaticLaw> StaticLaw for Viscous<B> {
     }
 
     fn constants(&self, units: KernelUnits) -> Vec<f64> {
-        let mut all = self.base.constants(units);
-        all.splice(1..1, [self.retardation / units.step, f64::from(u8::from(self.ad_hoc))]);
-        all
+        let own = [self.retardation / units.step, f64::from(u8::from(self.ad_hoc))];
+        let stiffness = self.hertz.scaled(units);
+        [&[stiffness][..], &own, &self.base.tail_constants(units), &self.base.term_constants(units)].concat()
     }
 
     fn forces(&self, passed: &Passed) -> (f64, f64) {

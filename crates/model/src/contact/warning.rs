@@ -119,7 +119,11 @@ impl Contact {
 
     /// Whether the law fits Tabor's parameter. It is a thick sample's; of a layer another warning tells.
     fn tabor_warning(&self) -> Option<Warning> {
-        let law = if self.law.is_sum() { Law::Dmt } else { self.law };
+        let law = match self.law {
+            Law::JkrSum => Law::Jkr,
+            law if law.is_sum() => Law::Dmt,
+            law => law,
+        };
         let tabor = self.tabor();
         if self.layer.is_some() {
             return None;

@@ -230,12 +230,18 @@ impl OutsideForce {
                 member(term, ForceTable::member("straight", [0.0; 2], knots))
             }
             Self::Capillary { strength, forms_at, decay_length, .. } => {
-                let knots = || force_table::falling(|x| ((1.0 - x).powi(-2), 2.0 * (1.0 - x).powi(-3)));
-                let length = decay_length.unwrap_or(forms_at);
-                let term = TermForce { amplitude: -strength, length, table: INVERSE };
-                member(term, ForceTable::member("inverse square", [0.0; 2], knots))
+                TermForce::inverse_square(-strength, decay_length.unwrap_or(forms_at))
             }
         }
+    }
+}
+
+impl TermForce {
+    /// The amplitude over (1 + d/length)^2 at the distance d.
+    pub(crate) fn inverse_square(amplitude: f64, length: f64) -> Self {
+        let knots = || force_table::falling(|x| ((1.0 - x).powi(-2), 2.0 * (1.0 - x).powi(-3)));
+        let term = Self { amplitude, length, table: INVERSE };
+        member(term, ForceTable::member("inverse square", [0.0; 2], knots))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::SweptAxes;
 use super::address::Address;
-use super::draft::Draft;
+use super::draft::{Draft, Said};
 use super::outside_section::{self, OUTSIDE, TABLE};
 use super::params::*;
 use super::paths::{HALF_ANGLE, RELAXATION, TIP_SHAPE, VISCOSITIES};
@@ -26,35 +26,28 @@ pub(super) fn forces_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     }
     let Some(said) = draft.first_of(&[TABLE]).or(draft.first_of(&[OUTSIDE])) else { return Ok(()) };
     let fault = |title: &str, why: &str| Fault::at(said.key.clone(), title).label(why.to_owned());
-    let known = |choice: &&LawChoice| matches!(choice, LawChoice::Hertz | LawChoice::Dmt | LawChoice::Sum);
+    let known = |choice: &&LawChoice| !matches!(choice, LawChoice::None | LawChoice::Auto);
     if let Some(other) = laws.iter().find(|choice| !known(choice)) {
         let why = match other {
             LawChoice::None => "law = \"none\" has no sample",
-            LawChoice::Jkr => {
-                "JKR's adhesion acts within the contact, and no force beside it is known to the program"
-            }
-            _ => "law = \"auto\" may choose JKR, beside which no force is known",
+            _ => "law = \"auto\" goes by Tabor's parameter, which knows the contact's adhesion alone",
         };
         return Err(beside_law(fault("the law does not know forces beside the contact", why), draft)
-            .expected("law = \"hertz\", \"dmt\" or \"table\" in [contact]")
+            .expected("law = \"hertz\", \"dmt\", \"jkr\" or \"table\" in [contact]")
             .help("set one of them, or remove the force"));
     }
-    if let Some(loss) = draft.first_of(&VISCOSITIES).or(draft.first_of(&RELAXATION)) {
-        return Err(fault("forces beside the contact need an elastic sample", "the sample has losses")
-            .related(loss.key.clone(), "said here")
-            .expected("an elastic sample")
-            .help("remove the sample's losses, or this force"));
-    }
     necks_fit(draft, sweep)?;
+    losses_fit(draft, &laws, said)?;
     let cap = draft.params.instrument.tip.shape == TipShape::SpheroCone;
     let back = contact.table.as_ref().is_some_and(|table| table.retraction.is_some());
     let count = contact.outside.iter().map(OutsideForce::count).sum::<usize>()
         + usize::from(contact.table.is_some())
         + usize::from(cap)
-        + usize::from(back);
+        + usize::from(back)
+        + usize::from(laws.contains(&LawChoice::Dmt) && draft.first_of(&RELAXATION).is_some());
     if count > TERMS {
         return Err(fault("there are too many forces beside the contact", &format!("found {count}"))
-            .expected(format!("at most {TERMS}, with a table, its way out, the cone of a charged tip and a sphero-cone's contact among them"))
+            .expected(format!("at most {TERMS}, with a table, its way out, the cone of a charged tip, a sphero-cone's contact and DMT's attraction on a sample that relaxes among them"))
             .help("leave out the weakest"));
     }
     for (n, force) in contact.outside.iter().enumerate() {
@@ -72,6 +65,34 @@ pub(super) fn forces_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
         true => table_fits(draft, sweep),
         false => Ok(()),
     }
+}
+
+/// What acts beside a contact goes with the sample's losses, and what remembers with the law.
+fn losses_fit(draft: &Draft, laws: &[LawChoice], said: &Said) -> Checked<()> {
+    let contact = &draft.params.contact;
+    let fault = |title: &str, why: &str| Fault::at(said.key.clone(), title).label(why.to_owned());
+    let remembers = contact.outside.iter().any(OutsideForce::remembers)
+        || contact.table.as_ref().is_some_and(|table| table.retraction.is_some());
+    let loss = draft.first_of(&VISCOSITIES).or(draft.first_of(&RELAXATION));
+    if let Some(loss) = loss.filter(|_| laws.contains(&LawChoice::Sum)) {
+        return Err(fault("a table needs an elastic sample", "the table is the whole force")
+            .related(loss.key.clone(), "the sample's losses are given here")
+            .expected("an elastic sample, or law = \"hertz\" or \"dmt\", to which the table's part outside is added")
+            .help("remove the sample's losses, or take such a law"));
+    }
+    if let Some(loss) = loss.filter(|_| remembers) {
+        return Err(fault("a force that remembers needs an elastic sample", "the sample has losses")
+            .related(loss.key.clone(), "said here")
+            .expected("an elastic sample, or forces without memory")
+            .help("remove the sample's losses, or this force"));
+    }
+    if remembers && laws.contains(&LawChoice::Jkr) {
+        let why = "JKR's law remembers whether there is contact, and one memory is all that there is";
+        return Err(beside_law(fault("a force that remembers does not go with JKR's law", why), draft)
+            .expected("law = \"hertz\" or \"dmt\", or forces without memory")
+            .help("set such a law, or remove this force"));
+    }
+    Ok(())
 }
 
 /// A force has all that it needs, in its section or as an axis.

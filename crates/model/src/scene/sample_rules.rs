@@ -54,7 +54,7 @@ pub(super) fn beside_law(fault: Box<Fault>, draft: &Draft) -> Box<Fault> {
     }
 }
 
-/// A sample that relaxes has two moduli and a time, under Hertz's law.
+/// A sample that relaxes has two moduli and a time, under Hertz's law or DMT's.
 pub(super) fn relaxation_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let Some(said) = draft.first_of(&RELAXATION) else { return Ok(()) };
     if let Some(missing) = RELAXATION.iter().find(|path| draft.first_of(&[path]).is_none()) {
@@ -68,13 +68,14 @@ pub(super) fn relaxation_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     }
     if let Some(choice) = misfit(draft, sweep, Law::relaxing) {
         let why = match choice.law() {
-            None => "law = \"auto\" may choose a law with adhesion, and none is known for such a sample",
-            Some(_) => "no sound theory is known of a sample that relaxes under adhesion",
+            None => "law = \"auto\" may choose JKR, and a sample that relaxes is not known for it",
+            Some(_) => "a sample that relaxes is not known for JKR, whose adhesion acts within the contact",
         };
-        let fault = Fault::at(said.key.clone(), "a sample that relaxes needs the Hertz law").label(why);
+        let fault =
+            Fault::at(said.key.clone(), "a sample that relaxes needs the Hertz or the DMT law").label(why);
         return Err(beside_law(fault, draft)
-            .expected("law = \"hertz\" in [contact]")
-            .help("set it, or remove instantaneous_modulus and relaxation_time"));
+            .expected("law = \"hertz\" or law = \"dmt\" in [contact]")
+            .help("set one of them, or remove instantaneous_modulus and relaxation_time"));
     }
     let Viscosity::Relaxing { modulus, .. } = draft.params.sample.viscosity else { return Ok(()) };
     let relaxed = ("sample.youngs_modulus", draft.params.sample.youngs_modulus);

@@ -23,7 +23,7 @@ const GAUSS_4: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_9),
 ];
 /// Parts of a step in which a viscous contact may begin or end once, and its force has one extreme.
-const VISCOUS_PIECES: usize = 8;
+const PIECES: usize = 8;
 
 /// Steps (rad) shorter than this use four points.
 const SHORT_STEP: f64 = 0.05;
@@ -108,6 +108,9 @@ impl Meter {
             }
             before = delta;
         }
+        if system.force.turns_anywhere(system.branch) {
+            self.see_extremes(system, piece);
+        }
         if system.force.is_viscous() {
             self.pass_viscous(system, piece);
         } else if system.branch.touching {
@@ -116,28 +119,15 @@ impl Meter {
         self.touched |= system.branch.touching;
     }
 
-    /// Adds the contact and the extreme forces of a step under a law that depends on the rate.
-    fn pass_viscous(&mut self, system: &System, piece: &DenseStep) {
-        if !system.branch.touching {
-            self.pressed = Some(false);
-            return;
-        }
-        let share = |n: usize| n as f64 / VISCOUS_PIECES as f64;
-        let pressing = |u: f64| {
-            let (delta, rate) = piece.indentation(system, u);
-            system.force.pressing(delta, rate * system.omega, piece.memory(u)).unwrap_or(0.0)
-        };
+    /// Records the extreme forces within a step where they need not be at the extremes of the indentation.
+    fn see_extremes(&mut self, system: &System, piece: &DenseStep) {
+        let share = |n: usize| n as f64 / PIECES as f64;
         let force = |u: f64| {
             let (delta, rate) = piece.indentation(system, u);
             system.force.at(delta, || rate * system.omega, piece.memory(u), system.branch)
         };
-        for n in 0..VISCOUS_PIECES {
+        for n in 0..PIECES {
             let (from, to) = (share(n), share(n + 1));
-            let (before, after) = (pressing(from) > 0.0, pressing(to) > 0.0);
-            let change = if before == after { to } else { root(from, to, pressing) };
-            self.time += piece.h * if before { change - from } else { to - change };
-            self.begun += f64::from(u8::from(after && !self.pressed.unwrap_or(before)));
-            self.pressed = Some(after);
             let middle = 0.5 * (from + to);
             for sign in [1.0, -1.0] {
                 let top = |u: f64| sign * force(u);
@@ -147,6 +137,27 @@ impl Meter {
                     self.force_max = self.force_max.max(extreme);
                 }
             }
+        }
+    }
+
+    /// Adds the contact of a step under a law that depends on the rate.
+    fn pass_viscous(&mut self, system: &System, piece: &DenseStep) {
+        if !system.branch.touching {
+            self.pressed = Some(false);
+            return;
+        }
+        let share = |n: usize| n as f64 / PIECES as f64;
+        let pressing = |u: f64| {
+            let (delta, rate) = piece.indentation(system, u);
+            system.force.pressing(delta, rate * system.omega, piece.memory(u)).unwrap_or(0.0)
+        };
+        for n in 0..PIECES {
+            let (from, to) = (share(n), share(n + 1));
+            let (before, after) = (pressing(from) > 0.0, pressing(to) > 0.0);
+            let change = if before == after { to } else { root(from, to, pressing) };
+            self.time += piece.h * if before { change - from } else { to - change };
+            self.begun += f64::from(u8::from(after && !self.pressed.unwrap_or(before)));
+            self.pressed = Some(after);
         }
     }
 

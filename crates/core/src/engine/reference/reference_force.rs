@@ -8,9 +8,17 @@ use crate::kernel::contact::TERMS;
 use crate::scene::{LawChoice, TermForce};
 use std::f64::consts::PI;
 
-/// A law with its constants; SI units.
+/// A law with its constants, and up to four forces beside it, of which the last may remember; SI units.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum ReferenceForce {
+pub(super) struct ReferenceForce {
+    law: ReferenceLaw,
+    terms: [Option<TermForce>; TERMS],
+    neck: Option<ReferenceNeck>,
+}
+
+/// A contact law with its constants; SI units.
+#[derive(Clone, Copy, Debug)]
+enum ReferenceLaw {
     None,
     /// f = kappa delta^1.5 with kappa = K sqrt(R): Ha, Fung & Chen 2005, equation (14).
     Hertz {
@@ -40,19 +48,13 @@ pub(super) enum ReferenceForce {
     /// A standard linear solid: a half-space of springs `kappa` delta^1.5 at once, whose share `arm` relaxes within `tau`, s.
     /// It remembers how deep its dashpots are at the centre, y, and their sum S in units of delta^1.5 over the root of a
     /// kernel's length. While the contact widens beyond them, delta y^2 > S^2, kappa (delta^1.5 - arm S); within, kappa (delta
-    /// - arm y)^1.5 (1 - arm y^3/S^2)^-0.5.
+    /// - arm y)^1.5 (1 - arm y^3/S^2)^-0.5. DMT's attraction acts beside it.
     Relaxing {
         kappa: f64,
         arm: f64,
         tau: f64,
-    },
-    /// A contact under the attraction, and up to four forces beside it, of which the last may remember.
-    Sum {
-        indenter: Indenter,
         adhesion: f64,
         decay: f64,
-        terms: [Option<TermForce>; TERMS],
-        neck: Option<ReferenceNeck>,
     },
     /// In the contact radius: delta = a^2/R - (2/3) sqrt(6 pi w a/K), f = K a^3/R - sqrt(6 pi w K a^3), equation (16).
     /// `radius` is a at the fold, `unit` a^2/R there.
@@ -64,46 +66,35 @@ pub(super) enum ReferenceForce {
     },
 }
 
-impl ReferenceForce {
+impl ReferenceLaw {
     /// The law of a contact, from its modulus, radius, work and decay length.
-    pub fn new(contact: &Contact) -> Self {
+    fn new(contact: &Contact) -> Self {
         let (k, r, w) = (contact.modulus, contact.radius, contact.work);
-        let viscous = |adhesion| Self::Viscous {
-            kappa: k * r.sqrt(),
-            tau: contact.retardation,
-            ad_hoc: contact.ad_hoc,
-            adhesion,
-            decay: contact.decay_length,
+        let (kappa, decay) = (k * r.sqrt(), contact.decay_length);
+        // A law that is named after its forces has the attraction that the scene asked for.
+        let pulls = match contact.law {
+            Law::Dmt | Law::ViscousDmt | Law::ShapedDmt => true,
+            law => law.is_sum() && contact.choice == LawChoice::Dmt,
         };
+        let adhesion = if pulls { 2.0 * PI * w * r } else { 0.0 };
         match contact.law {
             Law::None => Self::None,
-            Law::Hertz => Self::Hertz { kappa: k * r.sqrt() },
-            Law::Dmt => {
-                Self::Dmt { kappa: k * r.sqrt(), adhesion: 2.0 * PI * w * r, decay: contact.decay_length }
+            Law::Hertz => Self::Hertz { kappa },
+            Law::Dmt => Self::Dmt { kappa, adhesion, decay },
+            Law::ShapedHertz | Law::ShapedDmt | Law::Sum | Law::HystereticSum => {
+                Self::Shaped { indenter: Indenter::new(contact), adhesion, decay }
             }
-            Law::ShapedHertz => {
-                Self::Shaped { indenter: Indenter::new(contact), adhesion: 0.0, decay: contact.decay_length }
+            Law::ViscousHertz | Law::ViscousDmt | Law::ViscousSum => {
+                Self::Viscous { kappa, tau: contact.retardation, ad_hoc: contact.ad_hoc, adhesion, decay }
             }
-            Law::ShapedDmt => Self::Shaped {
-                indenter: Indenter::new(contact),
-                adhesion: 2.0 * PI * w * r,
-                decay: contact.decay_length,
-            },
-            Law::Sum | Law::HystereticSum => Self::Sum {
-                indenter: Indenter::new(contact),
-                adhesion: if contact.choice == LawChoice::Dmt { 2.0 * PI * w * r } else { 0.0 },
-                decay: contact.decay_length,
-                terms: beside_contact(contact),
-                neck: ReferenceNeck::of(contact),
-            },
-            Law::ViscousHertz => viscous(0.0),
-            Law::ViscousDmt => viscous(2.0 * PI * w * r),
-            Law::RelaxingHertz => Self::Relaxing {
+            Law::RelaxingHertz | Law::RelaxingSum => Self::Relaxing {
                 kappa: contact.instantaneous * r.sqrt(),
                 arm: 1.0 - k / contact.instantaneous,
                 tau: contact.retardation * k / contact.instantaneous,
+                adhesion,
+                decay,
             },
-            Law::Jkr => {
+            Law::Jkr | Law::JkrSum => {
                 // d delta/da = 0: 2a/R = sqrt(6 pi w/(K a))/3
                 let radius = (PI * w * r * r / (6.0 * k)).cbrt();
                 Self::Jkr {
@@ -116,14 +107,9 @@ impl ReferenceForce {
         }
     }
 
-    /// Force on the tip, N, on this branch. Each branch continues past its end, so that a step may overshoot before it is cut
-    /// back there.
-    ///
-    /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it. `memory` is the law's, if it has
-    /// one.
+    /// Force on the tip, N, on its branch.
     #[inline]
-    pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2], branch: Branch) -> f64 {
-        let Branch { touching, joined } = branch;
+    fn at(&self, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2], touching: bool) -> f64 {
         match *self {
             Self::None => 0.0,
             Self::Hertz { kappa } => hertz(kappa, delta, touching),
@@ -132,13 +118,6 @@ impl ReferenceForce {
             }
             Self::Shaped { indenter, adhesion, decay } => {
                 indenter.pressed(delta, touching) + attraction(adhesion, decay, delta, touching)
-            }
-            Self::Sum { indenter, adhesion, decay, ref terms, neck } => {
-                let neck = neck.filter(|_| joined).map(|neck| neck.force);
-                let terms = terms.iter().flatten().chain(&neck);
-                let beside: f64 = terms.map(|term| beside(term, delta, touching)).sum();
-                let pull = attraction(adhesion, decay, delta, touching);
-                indenter.pressed(delta, touching) + pull + beside
             }
             Self::Viscous { kappa, tau, ad_hoc, adhesion, decay } => {
                 let pull = attraction(adhesion, decay, delta, touching);
@@ -152,18 +131,10 @@ impl ReferenceForce {
                 };
                 pressed + pull
             }
-            Self::Relaxing { kappa, arm, .. } => {
-                let [depth, sum] = [memory[0], memory[1] * LENGTH.sqrt()];
-                let above = delta - arm * depth;
-                if !touching || above <= 0.0 {
-                    0.0
-                } else if delta * depth * depth >= sum * sum {
-                    kappa * (delta * delta.sqrt() - arm * sum).max(0.0)
-                } else {
-                    // However hollow: the kernel's bound.
-                    let hollow = (1.0 - arm * depth * depth * depth / (sum * sum)).max(0.1);
-                    kappa * above * above.sqrt() / hollow.sqrt()
-                }
+            Self::Relaxing { kappa, arm, adhesion, decay, .. } => {
+                let pull = attraction(adhesion, decay, delta, touching);
+                let pressed = if touching { relaxing((kappa, arm), delta, memory) } else { 0.0 };
+                pressed + pull
             }
             Self::Jkr { elastic, adhesive, radius, unit } => {
                 if !touching {
@@ -175,52 +146,88 @@ impl ReferenceForce {
             }
         }
     }
+}
+
+impl ReferenceForce {
+    /// The force of a contact and of what acts beside it.
+    pub fn new(contact: &Contact) -> Self {
+        Self {
+            law: ReferenceLaw::new(contact),
+            terms: beside_contact(contact),
+            neck: ReferenceNeck::of(contact),
+        }
+    }
+
+    /// Force on the tip, N, on this branch. Each branch continues past its end, so that a step may overshoot before it is cut
+    /// back there.
+    ///
+    /// `rate` gives the rate of indentation, m/s; only a law that needs the rate calls it. `memory` is the law's, if it has
+    /// one.
+    #[inline]
+    pub fn at(&self, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2], branch: Branch) -> f64 {
+        let Branch { touching, joined } = branch;
+        self.law.at(delta, rate, memory, touching) + self.beside(delta, touching, joined)
+    }
+
+    /// What acts beside the contact.
+    #[inline]
+    fn beside(&self, delta: f64, touching: bool, joined: bool) -> f64 {
+        let neck = self.neck.filter(|_| joined).map(|neck| neck.force);
+        // While JKR's neck holds a tip that is out of the surface, these forces go by the distance.
+        let drawn_out = delta < 0.0 && matches!(self.law, ReferenceLaw::Jkr { .. });
+        let inside = touching && !drawn_out;
+        self.terms.iter().flatten().chain(&neck).map(|term| beside(term, delta, inside)).sum()
+    }
 
     /// Whether it remembers two numbers, as lengths in m.
     pub fn has_memory(&self) -> bool {
-        matches!(self, Self::Relaxing { .. })
+        matches!(self.law, ReferenceLaw::Relaxing { .. })
     }
 
     /// Rates (m/s) at which a law with a memory changes it.
-    pub fn remembered(&self, delta: f64, force: f64, [depth, sum]: [f64; 2]) -> [f64; 2] {
-        let Self::Relaxing { kappa, arm, tau } = *self else { return [0.0; 2] };
+    pub fn remembered(&self, delta: f64, touching: bool, [depth, sum]: [f64; 2]) -> [f64; 2] {
+        let ReferenceLaw::Relaxing { kappa, arm, tau, .. } = self.law else { return [0.0; 2] };
+        let force = if touching { relaxing((kappa, arm), delta, [depth, sum]) } else { 0.0 };
         let pressed = force / (kappa * LENGTH.sqrt());
         [(delta.max(arm * depth) - depth) / tau, (pressed - (1.0 - arm) * sum) / tau]
     }
 
     /// Whether the force may end before the tip is out: by the rate, or by what the sample remembers.
     pub fn is_viscous(&self) -> bool {
-        matches!(self, Self::Viscous { .. } | Self::Relaxing { .. })
+        matches!(self.law, ReferenceLaw::Viscous { .. } | ReferenceLaw::Relaxing { .. })
+    }
+
+    /// Whether the force on a branch may be least or largest where the indentation is not.
+    pub fn turns_anywhere(&self, branch: Branch) -> bool {
+        let beside = self.neck.is_some() || self.terms.iter().any(Option::is_some);
+        beside || (self.is_viscous() && branch.touching)
     }
 
     /// Under a law that depends on the rate (m/s): positive where the sample presses on the tip, which may end before the tip
     /// is out.
     pub fn pressing(&self, delta: f64, rate: f64, memory: [f64; 2]) -> Option<f64> {
-        match *self {
-            Self::Viscous { tau, ad_hoc, .. } if rate < 0.0 && !ad_hoc => {
+        match self.law {
+            ReferenceLaw::Viscous { tau, ad_hoc, .. } if rate < 0.0 && !ad_hoc => {
                 Some((delta + tau * rate).min(delta))
             }
-            Self::Viscous { .. } => Some(delta),
-            Self::Relaxing { arm, .. } => Some(delta - arm * memory[0]),
+            ReferenceLaw::Viscous { .. } => Some(delta),
+            ReferenceLaw::Relaxing { arm, .. } => Some(delta - arm * memory[0]),
             _ => None,
         }
     }
 
     /// Indentation at which contact changes: touch from outside, release from inside; `None` without a sample.
     fn level(&self, touching: bool) -> Option<f64> {
-        match *self {
-            Self::None => None,
-            Self::Jkr { unit, .. } if touching => Some(-3.0 * unit),
+        match self.law {
+            ReferenceLaw::None => None,
+            ReferenceLaw::Jkr { unit, .. } if touching => Some(-3.0 * unit),
             _ => Some(0.0),
         }
     }
 
     /// Indentation at which the force that remembers begins to act, or ceases to.
     fn neck_level(&self, joined: bool) -> Option<f64> {
-        match *self {
-            Self::Sum { neck: Some(neck), .. } => Some(neck.level(joined)),
-            _ => None,
-        }
+        Some(self.neck?.level(joined))
     }
 
     /// How far the indentation is from where the branch changes, positive before, and the branch behind there.
@@ -244,9 +251,9 @@ impl ReferenceForce {
 
     /// The branch of a tip that starts at `delta`.
     pub fn branch_at(&self, delta: f64) -> Branch {
-        let touching = match self {
-            Self::None => false,
-            Self::Jkr { .. } => delta >= 0.0,
+        let touching = match self.law {
+            ReferenceLaw::None => false,
+            ReferenceLaw::Jkr { .. } => delta >= 0.0,
             _ => delta > 0.0,
         };
         Branch { touching, joined: self.neck_level(false).is_some_and(|forms| delta >= forms) }
@@ -255,29 +262,41 @@ impl ReferenceForce {
     /// The same where a law with hysteresis has this past.
     pub fn branch_after(&self, delta: f64, past: bool) -> Branch {
         let start = self.branch_at(delta);
-        match self {
-            Self::Sum { .. } => Branch { joined: past, ..start },
-            _ => Branch { touching: past, ..start },
+        match self.neck {
+            Some(_) => Branch { joined: past, ..start },
+            None => Branch { touching: past, ..start },
         }
     }
 
     /// What a law with hysteresis remembers of its past.
     pub fn past(&self, branch: Branch) -> bool {
-        match self {
-            Self::Sum { neck: Some(_), .. } => branch.joined,
-            _ => branch.touching,
-        }
+        if self.neck.is_some() { branch.joined } else { branch.touching }
     }
 
     /// Indentation of the largest pull within the contact branch, if there is one: df/da = 0 at a^3 = 9 a_s^3.
     pub fn deepest_pull(&self) -> Option<f64> {
-        match *self {
-            Self::Jkr { unit, .. } => {
+        match self.law {
+            ReferenceLaw::Jkr { unit, .. } => {
                 let ratio = 9f64.cbrt();
                 Some(unit * (ratio * ratio - 4.0 * ratio.sqrt()))
             }
             _ => None,
         }
+    }
+}
+
+/// A sample that relaxes: `kappa` at once, of which the share `arm` relaxes.
+fn relaxing((kappa, arm): (f64, f64), delta: f64, [depth, sum]: [f64; 2]) -> f64 {
+    let sum = sum * LENGTH.sqrt();
+    let above = delta - arm * depth;
+    if above <= 0.0 {
+        0.0
+    } else if delta * depth * depth >= sum * sum {
+        kappa * (delta * delta.sqrt() - arm * sum).max(0.0)
+    } else {
+        // However hollow: the kernel's bound.
+        let hollow = (1.0 - arm * depth * depth * depth / (sum * sum)).max(0.1);
+        kappa * above * above.sqrt() / hollow.sqrt()
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::contact::{Contact, Law};
 use crate::kernel::contact::TERMS;
 use crate::kernel::contact::force_table::{EXPONENTIAL, ForceTable, INVERSE};
-use crate::scene::{TermForce, TipShape};
+use crate::scene::{LawChoice, TermForce, TipShape};
 
 /// A force that acts from where it forms on the way in to where it breaks on the way out, indentations in m.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +40,10 @@ pub(super) fn beside_contact(contact: &Contact) -> [Option<TermForce>; TERMS] {
     let mut terms = contact.terms;
     if contact.law == Law::HystereticSum {
         terms[TERMS - 1] = None;
+    }
+    if contact.law == Law::RelaxingSum && contact.choice == LawChoice::Dmt {
+        // The last of them is the attraction, which the law has in its closed form.
+        terms.iter_mut().rev().find(|term| term.is_some()).map(Option::take);
     }
     if contact.shape == TipShape::SpheroCone {
         // Its first is the contact, which is the indenter's.

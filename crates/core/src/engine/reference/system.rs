@@ -223,7 +223,8 @@ impl Rates for System {
             bent[k] = push[k] * force - loss[k] * v[k] - stiffness[k] * x[k];
         }
         if self.force.has_memory() {
-            let rates = self.force.remembered(delta, force, memory).map(|rate| rate / self.omega);
+            let rates =
+                self.force.remembered(delta, self.branch.touching, memory).map(|rate| rate / self.omega);
             out[2 * n..2 * n + 2].copy_from_slice(&rates);
         }
         if self.measuring {
