@@ -112,7 +112,10 @@ impl Lever {
                 let force = match (d - arm * y).max(0.0) {
                     0.0 => 0.0,
                     _ if d * y * y >= s * s => (d.powf(1.5) - arm * s).max(0.0),
-                    above => above.powf(1.5) / (1.0 - arm * y.powi(3) / (s * s)).max(0.1).sqrt(),
+                    above => {
+                        let room = (1.0 - arm * y.powi(3) / (s * s)).max((0.5 * (1.0 - arm)).min(0.1));
+                        above.powf(1.5) / room.sqrt()
+                    }
                 };
                 (rates[0], rates[1]) = (d.max(arm * y) - y, force - (1.0 - arm) * s);
                 force
@@ -208,6 +211,8 @@ fn agree_with_a_half_space_of_many_elements() {
             cases.extend([0.02, 0.3, 4.0].map(|time| case(1, 1.0, modulus, ratio, time)));
         }
     }
+    // At once twenty times as stiff.
+    cases.extend([0.3, 4.0].map(|time| case(1, 1.0, 5e8, 19.0, time)));
     for (n, case) in cases.into_iter().enumerate() {
         let periods = if case.time > 1.0 { 60 } else { 40 };
         let truth = Lever::new(case, Sample::Elements(240)).steady(periods, 1500);
@@ -222,7 +227,8 @@ fn agree_with_a_half_space_of_many_elements() {
             ours[1] - truth[1]
         );
         assert!((ours[0] - truth[0]).abs() < 6e-4 && (ours[1] - truth[1]).abs() < 2e-3, "case {n}");
-        assert!(loss.abs() < 0.022 && force.abs() < 5e-3, "case {n}: {loss}, {force}");
+        let bound = if case.ratio > 5.0 { 1.2e-2 } else { 5e-3 };
+        assert!(loss.abs() < 0.022 && force.abs() < bound, "case {n}: {loss}, {force}");
     }
 }
 
@@ -278,8 +284,8 @@ fn agree_with_kelvin_and_voigts_sample_in_the_limit() {
 fn exact_loss_of_small_swings_is_that_of_the_solid() {
     let (depth, swing, steps) = (3.0f64, 1e-4, 512);
     let step = TAU / f64::from(steps);
-    for time in [0.1, 1.0, 5.0] {
-        let contact = contact(Viscosity::Relaxing { modulus: 3e9, time });
+    for (time, modulus) in [(0.1, 3e9), (1.0, 3e9), (5.0, 3e9), (0.1, 30e9), (1.0, 30e9)] {
+        let contact = contact(Viscosity::Relaxing { modulus, time });
         // Radians for seconds: the step's impulse is the force.
         let all = contact.law().constants(KernelUnits { impulse: LENGTH.powf(-1.5), step });
         let mut numbers = all.iter();

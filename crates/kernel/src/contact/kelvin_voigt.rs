@@ -1,12 +1,13 @@
 //! A Kelvin-Voigt sample: the force follows indentation and rate. Ting (1966), J. Appl. Mech. 33, 845, or the *ad hoc* form
 //! of the literature; docs/method.md derives the step.
 
+use super::cubic_path::{CubicPath, midway};
 use super::dmt::Tail;
 use super::hertz::{Elastic, Hertz};
 use super::path::Path;
 use super::{Approach, Interaction, Kick, Lane, Zip, extremes_near, touching_at};
 use crate::constants::{
-    EIGHT, EIGHTH, FIVE, HALF, HERTZ_SLOPE, LEAST, ONE, QUARTER, THIRD, TWELFTH, TWENTY_FOURTH, ZERO,
+    EIGHT, EIGHTH, FIVE, HALF, HERTZ_SLOPE, LEAST, ONE, QUARTER, THIRD, TWELFTH, TWENTY_FOURTH, TWO, ZERO,
 };
 use crate::lane::when;
 
@@ -180,12 +181,6 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         self.retardation * (-L::splat(TWELFTH)).mul_add(bend, middle)
     }
 
-    /// The depth at which an ad hoc contact ends at this rate: -tau v/2.
-    #[inline(always)]
-    fn depth_at(&self, rate: L) -> L {
-        -(L::splat(HALF) * self.retardation * rate)
-    }
-
     /// The impulse to begin with: the force at the sample with the rate in the middle of the kick.
     #[inline(always)]
     fn predicted(&self, at: Approach<L>) -> L {
@@ -250,20 +245,33 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         self.point(indentation, rate).force + self.adhesion.sample(indentation)
     }
 
-    /// The least force of an ad hoc contact that ends within the step: that at the depth -tau v/2, if the rate were even.
+    /// What passes through zero along a path where an ad hoc force turns, with its slope.
     #[inline(always)]
-    fn last_pull(&self, (start, end): (&RatePoint<L>, &RatePoint<L>)) -> L {
-        let zero = L::splat(ZERO);
-        let travel = (start.indentation - end.indentation).max(L::splat(LEAST));
-        let mut rate = end.rate;
-        for _ in 0..2 {
-            let share = (start.indentation - self.depth_at(rate)) / travel;
-            rate = start.rate + share * (end.rate - start.rate);
+    fn turning(&self, path: &CubicPath<L>, share: L) -> (L, L) {
+        let (two, tau) = (L::splat(TWO), self.retardation);
+        let [indentation, rate, turn] = path.at(share);
+        let early = tau.mul_add(turn, rate);
+        let change = tau.mul_add(path.jerk(), turn);
+        let height = two * indentation * early + tau * rate * rate;
+        (height, two * (rate * early + indentation * change + tau * rate * turn))
+    }
+
+    /// The least force of an ad hoc contact that ends within the step: where d^1.5 + 1.5 tau sqrt(d) v turns along the path,
+    /// which is where 2 d (v + tau a) + tau v^2 passes through zero.
+    #[inline(always)]
+    fn last_pull(&self, (start, end): ((L, L), (L, L))) -> L {
+        let (zero, one) = (L::splat(ZERO), L::splat(ONE));
+        let path = CubicPath::between(start, end);
+        let (first, last) = (self.turning(&path, zero).0, self.turning(&path, one).0);
+        let turns = L::both(first.less(zero), zero.less(last));
+        let mut share = (first / L::select(turns, first - last, one)).max(zero).min(one);
+        for _ in 0..3 {
+            let (height, slope) = self.turning(&path, share);
+            share = (share - height / slope.max(L::splat(LEAST))).max(zero).min(one);
         }
-        let depth = self.depth_at(rate);
-        let passes = L::both(end.indentation.less(depth), depth.less(start.indentation));
-        let pulls = L::both(passes, zero.less(self.ad_hoc));
-        L::select(pulls, self.whole((depth, rate)), self.whole((end.indentation, end.rate)))
+        let [indentation, rate, _] = path.at(share);
+        let pulls = L::both(turns, L::both(zero.less(self.ad_hoc), end.1.less(zero)));
+        L::select(pulls, self.whole((indentation, rate)), self.whole(end))
     }
 
     /// Least and largest force of a step that may touch.
@@ -299,7 +307,7 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         for (force, point) in forces.iter_mut().zip(points) {
             *force = self.whole(point);
         }
-        let pull = self.last_pull((&start, &end));
+        let pull = self.last_pull((first, last));
         let mut extremes = (forces[0].min(forces[8]).min(pull), forces[0].max(forces[8]));
         for three in forces.windows(3) {
             let top = top_of([three[0], three[1], three[2]]);
@@ -307,15 +315,6 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         }
         extremes
     }
-}
-
-/// Indentation and rate in the middle of a cubic through two points that are `span` steps apart.
-#[inline(always)]
-fn midway<L: Lane>(from: (L, L), to: (L, L), span: f64) -> (L, L) {
-    let (half, span) = (L::splat(HALF), L::splat(span));
-    let indentation = half * (from.0 + to.0) + L::splat(EIGHTH) * span * (from.1 - to.1);
-    let mean = (to.0 - from.0) / span;
-    (indentation, mean + half * (mean - half * (from.1 + to.1)))
 }
 
 /// The top of the parabola through three evenly spaced numbers where the middle is above or below both, else the middle.

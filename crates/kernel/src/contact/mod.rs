@@ -1,6 +1,7 @@
 //! The laws as the kernel needs them: mean force along a piece of the tip's path, and when within the step it acts.
 
 mod accompanied;
+mod cubic_path;
 mod dmt;
 pub mod force_table;
 mod hertz;

@@ -83,7 +83,10 @@ impl<L: Lane> RelaxingHertz<L> {
     #[inline(always)]
     fn widening(&self, depth: L, total: L) -> L {
         let hollow = depth * depth * depth / (total * total).max(L::splat(LEAST));
-        let room = (L::splat(ONE) - self.relaxing * hollow).max(L::splat(TENTH));
+        let (one, half) = (L::splat(ONE), L::splat(HALF));
+        // A profile that has followed has a hollow of one; what is more is an error of the two numbers.
+        let least = (half - half * self.relaxing).min(L::splat(TENTH));
+        let room = (one - self.relaxing * hollow).max(least);
         L::splat(ONE) / room.sqrt()
     }
 

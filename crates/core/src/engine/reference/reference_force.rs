@@ -151,11 +151,8 @@ impl ReferenceLaw {
 impl ReferenceForce {
     /// The force of a contact and of what acts beside it.
     pub fn new(contact: &Contact) -> Self {
-        Self {
-            law: ReferenceLaw::new(contact),
-            terms: beside_contact(contact),
-            neck: ReferenceNeck::of(contact),
-        }
+        let (law, terms) = (ReferenceLaw::new(contact), beside_contact(contact));
+        Self { law, terms, neck: ReferenceNeck::of(contact) }
     }
 
     /// Force on the tip, N, on this branch. Each branch continues past its end, so that a step may overshoot before it is cut
@@ -295,7 +292,8 @@ fn relaxing((kappa, arm): (f64, f64), delta: f64, [depth, sum]: [f64; 2]) -> f64
         kappa * (delta * delta.sqrt() - arm * sum).max(0.0)
     } else {
         // However hollow: the kernel's bound.
-        let hollow = (1.0 - arm * depth * depth * depth / (sum * sum)).max(0.1);
+        let least = (0.5 * (1.0 - arm)).min(0.1);
+        let hollow = (1.0 - arm * depth * depth * depth / (sum * sum)).max(least);
         kappa * above * above.sqrt() / hollow.sqrt()
     }
 }
