@@ -124,7 +124,8 @@ pub const CONTACTS: [Contact<'static>; 24] = [
     Contact { word: "sphero-cone", tip: r#"shape = "sphero-cone""#, own: &[ANGLE], ..HERTZ },
     Contact { word: "layer", own: &[THICKNESS], ..HERTZ },
     Contact { word: "dmt with charges", beside: CHARGES, own: &VOLTS, ..DMT },
-    Contact { word: "hertz with a charged cone", beside: CONE, own: &VOLTS, ..HERTZ },
+    // Each cut-off and radius makes a table, of which a scene has a thousand.
+    Contact { word: "hertz with a charged cone", beside: CONE, own: &[VOLTS[0]], ..HERTZ },
     Contact {
         word: "dmt with a double layer",
         beside: DOUBLE_LAYER,
