@@ -7,7 +7,7 @@
 //! Without any GPU adapter these tests are listed as ignored.
 
 use crate::checks::{self, bounds, worst};
-use crate::shader::{self, CORNERS, cpu, gpu, laws, on, same, scene};
+use crate::shader::{self, COMPOSED, CORNERS, cpu, gpu, laws, on, same, scene};
 use afmsweep::engine::gpu::AdapterReport;
 use afmsweep::engine::{Cpu, Engine, Progress};
 use afmsweep::observe::Status;
@@ -25,9 +25,9 @@ fn long(law: &str, start: &str, modes: usize) -> Scene {
 }
 
 /// The same bits for every law, every observable, both starts, every instance whatever its status.
-fn same_bits(modes: usize, precision: Precision) -> Result<(), Failed> {
+fn same_bits(modes: usize, precision: Precision, composed: bool) -> Result<(), Failed> {
     let mut all = 0;
-    for law in laws() {
+    for law in laws().into_iter().filter(|law| COMPOSED.contains(law) == composed) {
         for start in ["steady", "rest"] {
             let plan = checks::plan_in(&long(law, start, modes), None, precision);
             let what = format!("{law}, {start}, {modes} modes, {}", precision.name());
@@ -303,11 +303,16 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
     };
     for modes in (1..=8).chain([10, 16, 24]) {
         let name = format!("same_bits_as_the_cpu_{modes}_modes_f32");
-        add(name, exact && CORNERS.contains(&modes), Box::new(move || same_bits(modes, Precision::F32)));
+        let corner = exact && CORNERS.contains(&modes);
+        add(name, corner, Box::new(move || same_bits(modes, Precision::F32, false)));
+        let name = format!("same_bits_as_the_cpu_{modes}_modes_composed_f32");
+        add(name, corner && modes <= 4, Box::new(move || same_bits(modes, Precision::F32, true)));
     }
     for modes in [1, 4, 8, 24] {
         let name = format!("same_bits_as_the_cpu_{modes}_modes_f64");
-        add(name, exact && double, Box::new(move || same_bits(modes, Precision::F64)));
+        add(name, exact && double, Box::new(move || same_bits(modes, Precision::F64, false)));
+        let name = format!("same_bits_as_the_cpu_{modes}_modes_composed_f64");
+        add(name, exact && double && modes == 4, Box::new(move || same_bits(modes, Precision::F64, true)));
     }
     let scenes = "same_bits_as_the_cpu_in_every_scene";
     add(format!("{scenes}_f32"), exact, Box::new(|| same_bits_in_every_scene(Precision::F32)));

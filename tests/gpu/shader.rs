@@ -15,6 +15,10 @@ use std::path::Path;
 /// are marked as ignored; `make test-all` runs them.
 pub const CORNERS: [usize; 4] = [1, 4, 8, 24];
 
+/// Laws that are a contact of another law and the tables of a sum. Every commit holds them to one and to four modes, where their
+/// shaders are compiled in seconds; the numbers between and beyond are for `make test-all`.
+pub const COMPOSED: [&str; 3] = ["sum-jkr", "sum-viscous", "sum-relaxing"];
+
 pub fn laws() -> [&'static str; Law::ALL.len()] {
     Law::ALL.map(Law::name)
 }
