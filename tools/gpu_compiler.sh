@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-driver=$(ls /usr/share/vulkan/icd.d/radeon_icd*.json 2>/dev/null | head -n 1)
+driver=$(ls /usr/share/vulkan/icd.d/radeon_icd*.json 2>/dev/null | head -n 1 || true)
 if [ -z "$driver" ]; then
     echo "no RADV here: install Mesa's Vulkan drivers (Debian and Ubuntu: apt install mesa-vulkan-drivers)" >&2
     exit 1

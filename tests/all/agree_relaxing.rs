@@ -202,7 +202,7 @@ fn agree_with_an_independent_integrator() {
     }
 }
 
-/// Two numbers stand for the whole half-space: within the bounds that docs/method.md states.
+/// Two numbers stand for the whole half-space: within the bounds that docs/model.md states. Those of the first cases are closer.
 #[test]
 fn agree_with_a_half_space_of_many_elements() {
     let mut cases = CASES.to_vec();
@@ -214,7 +214,8 @@ fn agree_with_a_half_space_of_many_elements() {
     // At once twenty times as stiff.
     cases.extend([0.3, 4.0].map(|time| case(1, 1.0, 5e8, 19.0, time)));
     for (n, case) in cases.into_iter().enumerate() {
-        let periods = if case.time > 1.0 { 60 } else { 40 };
+        let first = n < CASES.len();
+        let periods = if first || case.time > 1.0 { 60 } else { 40 };
         let truth = Lever::new(case, Sample::Elements(240)).steady(periods, 1500);
         let ours = swept(&case, &case.relaxation(), 1e-4, None);
         let (loss, force) = (ours[2] / truth[2] - 1.0, ours[3] / truth[3] - 1.0);
@@ -226,9 +227,10 @@ fn agree_with_a_half_space_of_many_elements() {
             ours[0] - truth[0],
             ours[1] - truth[1]
         );
-        assert!((ours[0] - truth[0]).abs() < 6e-4 && (ours[1] - truth[1]).abs() < 2e-3, "case {n}");
-        let bound = if case.ratio > 5.0 { 1.2e-2 } else { 5e-3 };
-        assert!(loss.abs() < 0.022 && force.abs() < bound, "case {n}: {loss}, {force}");
+        let (turn, lost) = if first { (1.2e-3, 0.02) } else { (2e-3, 0.022) };
+        let pushed = if case.ratio > 5.0 { 1.2e-2 } else { 5e-3 };
+        assert!((ours[0] - truth[0]).abs() < 6e-4 && (ours[1] - truth[1]).abs() < turn, "case {n}");
+        assert!(loss.abs() < lost && force.abs() < pushed, "case {n}: {loss}, {force}");
     }
 }
 

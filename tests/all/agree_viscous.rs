@@ -19,28 +19,37 @@ struct Case {
     modulus: f64,
 }
 
+const HERTZ: Surroundings = Surroundings { adhesive: false, bias: 0.0 };
+const DMT: Surroundings = Surroundings { adhesive: true, bias: 0.0 };
+
 /// Both laws and forms, one and two modes, on and off resonance, from hardly viscous to strongly; and charged tips.
 const CASES: [Case; 11] = [
-    case("hertz", false, 1, 1.0, 0.01, 1e9),
-    case("hertz", false, 2, 1.0, 0.1, 2e9),
-    case("hertz", false, 1, 0.97, 5.0, 5e7),
-    case("dmt", false, 1, 1.0, 0.05, 1e9),
-    case("dmt", false, 2, 1.03, 0.5, 3e8),
-    case("hertz", true, 1, 1.0, 0.1, 1e9),
-    case("dmt", true, 2, 1.0, 0.05, 1e9),
-    case("dmt", true, 1, 0.97, 1.0, 1e8),
-    charged(2.0, case("hertz", false, 1, 1.0, 0.1, 1e9)),
-    charged(1.0, case("dmt", false, 2, 0.98, 0.5, 5e8)),
-    charged(2.0, case("dmt", true, 1, 1.0, 0.1, 1e9)),
+    case(HERTZ, false, 1, 1.0, 0.01, 1e9),
+    case(HERTZ, false, 2, 1.0, 0.1, 2e9),
+    case(HERTZ, false, 1, 0.97, 5.0, 5e7),
+    case(DMT, false, 1, 1.0, 0.05, 1e9),
+    case(DMT, false, 2, 1.03, 0.5, 3e8),
+    case(HERTZ, true, 1, 1.0, 0.1, 1e9),
+    case(DMT, true, 2, 1.0, 0.05, 1e9),
+    case(DMT, true, 1, 0.97, 1.0, 1e8),
+    charged(2.0, case(HERTZ, false, 1, 1.0, 0.1, 1e9)),
+    charged(1.0, case(DMT, false, 2, 0.98, 0.5, 5e8)),
+    charged(2.0, case(DMT, true, 1, 1.0, 0.1, 1e9)),
 ];
 
 const fn charged(bias: f64, case: Case) -> Case {
     Case { beside: Surroundings { bias, ..case.beside }, ..case }
 }
 
-const fn case(law: &str, ad_hoc: bool, modes: usize, detuning: f64, tangent: f64, modulus: f64) -> Case {
-    let beside = Surroundings { adhesive: law.len() == "dmt".len(), bias: 0.0 };
-    Case { beside, ad_hoc, lever: DrivenLever { modes, detuning }, loss_tangent: tangent, modulus }
+const fn case(
+    beside: Surroundings,
+    ad_hoc: bool,
+    modes: usize,
+    detuning: f64,
+    loss_tangent: f64,
+    modulus: f64,
+) -> Case {
+    Case { beside, ad_hoc, lever: DrivenLever { modes, detuning }, loss_tangent, modulus }
 }
 
 impl Case {

@@ -22,7 +22,7 @@ const GAUSS_4: [(f64, f64); 4] = [
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_05),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_9),
 ];
-/// Parts of a step in which a viscous contact may begin or end once, and its force has one extreme.
+/// Parts of a step in each of which a viscous contact may begin or end once, and a force has one extreme.
 const PIECES: usize = 8;
 
 /// Steps (rad) shorter than this use four points.
