@@ -5,8 +5,10 @@
 //! [--laws hertz,dmt,jkr] [--python PROGRAM] [--command TEXT] [-o DIR]`; without the feature Rust's libraries stay out.
 //! With `--python`, the interpreter of an environment with `requirements.txt`, the solvers of `peers.py` take part
 //! (`make peers` does it all). The answer is a table, and a page, a CSV and pictures in DIR, which say that TEXT made them.
+//! With `--contacts` all other contacts take their place, by this crate's CPU engine alone.
 
 mod answer;
+mod contacts;
 #[cfg(feature = "peers")]
 mod diffsolve;
 #[cfg(feature = "peers")]
@@ -16,6 +18,8 @@ mod law;
 mod level;
 mod measure;
 mod page;
+#[path = "../common/page.rs"]
+mod page_of_tables;
 mod problem;
 mod python;
 #[path = "../common/random.rs"]
@@ -44,6 +48,8 @@ pub struct Arguments {
     laws: Vec<String>,
     python: Option<String>,
     output: Option<String>,
+    /// Contacts in place of the laws that other solvers have.
+    contacts: bool,
     /// As it is to be told on the page.
     command: String,
 }
@@ -63,6 +69,7 @@ fn arguments() -> Arguments {
         laws: Vec::new(),
         python: None,
         output: None,
+        contacts: false,
         command: "cargo bench --bench precision".to_owned(),
     };
     let mut words = std::env::args().skip(1);
@@ -75,6 +82,7 @@ fn arguments() -> Arguments {
             "--repeats" => all.repeats = value().parse().expect("a number of rounds"),
             "--laws" => all.laws = value().split(',').map(str::to_owned).collect(),
             "--python" => all.python = Some(value()),
+            "--contacts" => all.contacts = true,
             "-o" => all.output = Some(value()),
             "--command" => all.command = value(),
             // cargo bench adds it.
@@ -89,6 +97,11 @@ fn main() {
     let arguments = arguments();
     // CPU-seconds of one thread are what is compared.
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("nothing has started threads yet");
+    if arguments.contacts {
+        let Arguments { laws, instances, seed, output, command, .. } = &arguments;
+        let folder = output.as_deref().expect("a folder by -o");
+        return contacts::run(laws, *instances, *seed, folder, command);
+    }
     let output = arguments.output.as_ref().map(Path::new);
     // Rather now than after all the work.
     if let Some(Err(error)) = output.map(|folder| check_folder(folder, page::GENERATOR)) {

@@ -65,6 +65,15 @@ measure = 5
     scene
 }
 
+/// The same, where a rule would take thousands of steps a period in hundreds: the bits tell no more by them.
+fn in_few_steps(law: &str, start: &str, periods: u32) -> Scene {
+    let mut scene = sweep(law, start, periods);
+    if law.contains("viscous") {
+        scene.run.steps_per_period = Some(384);
+    }
+    scene
+}
+
 fn run(plan: &Plan, threads: usize) -> Vec<Finished> {
     run_in(plan, threads, false)
 }
@@ -90,7 +99,8 @@ fn every_kind(check: impl Fn(&Scene, Precision, &str)) {
     for law in laws() {
         for start in STARTS {
             for precision in [Precision::F32, Precision::F64] {
-                check(&sweep(law, start, 30), precision, &format!("{law}, {start}, {}", precision.name()));
+                let name = format!("{law}, {start}, {}", precision.name());
+                check(&in_few_steps(law, start, 30), precision, &name);
             }
         }
     }
@@ -174,7 +184,7 @@ fn what_is_not_asked_for_changes_no_bit() {
 fn the_two_roundings_agree() {
     let (mut largest, mut compared): (f64, _) = (0.0, 0);
     for law in laws() {
-        let plan = checks::plan_in(&sweep(law, "steady", 160), None, Precision::F64);
+        let plan = checks::plan_in(&in_few_steps(law, "steady", 160), None, Precision::F64);
         let (once, twice) = (run(&plan, 2), run_in(&plan, 2, true));
         for (instance, (a, b)) in once.iter().zip(&twice).enumerate() {
             if b.status != Status::Ok {

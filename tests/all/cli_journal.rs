@@ -141,9 +141,9 @@ fn a_run_killed_at_any_moment_goes_on_to_the_same_file() {
     assert!(kills > 4, "{kills}");
 }
 
-/// A journal of portions that have ended, of the scene `tapping.toml`, at `a.h5.partial`; its bytes.
-fn stopped(desk: &Desk) -> Vec<u8> {
-    desk.write("tapping.toml", TAPPING);
+/// A journal of portions that have ended, of this text as `tapping.toml`, at `a.h5.partial`; its bytes.
+fn stopped(desk: &Desk, text: &str) -> Vec<u8> {
+    desk.write("tapping.toml", text);
     let arguments = ["run", "tapping.toml", "-q", "-o", "a.h5", "--audit", "2", "--portion", "8"];
     for wait in (10..).step_by(10).map(Duration::from_millis) {
         killed(desk, &arguments, wait);
@@ -163,7 +163,7 @@ fn stopped(desk: &Desk) -> Vec<u8> {
 #[test]
 fn a_journal_is_gone_on_with_only_by_its_own_run() {
     let desk = Desk::new();
-    let bytes = stopped(&desk);
+    let bytes = stopped(&desk, TAPPING);
     let run = ["run", "tapping.toml", "-q", "-o", "a.h5"];
     let with = |more: &[&'static str]| [&run[..], more].concat();
     desk.refuses(&run, &["a.h5.partial holds", "portions of a run of this scene", "--resume", "--overwrite"]);
@@ -196,6 +196,28 @@ fn a_journal_is_gone_on_with_only_by_its_own_run() {
     }
 }
 
+/// A scene names the file of its forces: what is in the file belongs to the run.
+#[test]
+fn a_journal_is_gone_on_with_only_by_the_forces_it_began_with() {
+    const FORCES: &str = "distance [nm], force [nN], force_retract [nN]\n5, 0, 0\n3, -0.05, -0.2\n1, -0.4, -0.9\n\
+                          0.3, -0.9, -1\n0, -1, -1\n-2, -1, -1\n";
+    let desk = Desk::new();
+    desk.write("forces.csv", FORCES);
+    let text = TAPPING.replace("law = \"dmt\"", "law = \"hertz\"\ntable = \"forces.csv\"");
+    let bytes = stopped(&desk, &text);
+    let resume = ["run", "tapping.toml", "-q", "-o", "a.h5", "--audit", "2", "--portion", "8", "--resume"];
+    for (old, new) in [("-0.4,", "-0.5,"), ("-0.2\n", "-0.3\n"), ("0.3,", "0.4,")] {
+        desk.write("forces.csv", &FORCES.replacen(old, new, 1));
+        desk.refuses(&resume, &["a file that the scene names, of forces", "put the old file back"]);
+    }
+    assert_eq!(std::fs::read(desk.path("a.h5.partial")).unwrap(), bytes, "it is as it was");
+    desk.write("forces.csv", FORCES);
+    desk.works(&resume);
+    let whole = ["run", "tapping.toml", "-q", "-o", "whole.h5", "--audit", "2", "--portion", "8"];
+    desk.works(&whole);
+    assert_alike(&desk.path("whole.h5"), &desk.path("a.h5"), "forces by numbers");
+}
+
 /// The journal with another header.
 fn altered(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
     let journal = Journal::read(bytes.to_vec()).unwrap();
@@ -220,7 +242,7 @@ fn recorded(kind: RecordKind, own: &[u8]) -> Vec<u8> {
 #[test]
 fn a_portion_of_more_instances_than_there_are_is_run_again() {
     let desk = Desk::new();
-    let bytes = stopped(&desk);
+    let bytes = stopped(&desk, TAPPING);
     desk.works(&["run", "tapping.toml", "-q", "-o", "whole.h5", "--audit", "2"]);
     let (number, flags, notes) = (0u64.to_le_bytes(), [1, 1, 0, 0], 0u32.to_le_bytes());
     let column = [&[0u8][..], &1u64.to_le_bytes()].concat().repeat(1000);
@@ -257,7 +279,7 @@ fn two_runs_on_one_journal_are_refused() {
 #[test]
 fn a_damaged_journal_gives_the_same_file_or_is_refused() {
     let desk = Desk::new();
-    let bytes = stopped(&desk);
+    let bytes = stopped(&desk, TAPPING);
     desk.works(&["run", "tapping.toml", "-q", "-o", "whole.h5", "--audit", "2"]);
     let resume = ["run", "tapping.toml", "-o", "a.h5", "--audit", "2", "--resume"];
     let mut refused = 0;

@@ -76,7 +76,8 @@ fn sum(scene: &Scene) -> String {
         axis.values.iter().for_each(|value| sum.update(&value.to_bits().to_le_bytes()));
     }
     if let Some(table) = &scene.base.contact.table {
-        let numbers = table.indentations.iter().chain(&table.forces);
+        let out = table.retraction.iter().flat_map(|out| &out.forces);
+        let numbers = table.indentations.iter().chain(&table.forces).chain(out);
         numbers.for_each(|number| sum.update(&number.to_bits().to_le_bytes()));
     }
     format!("{:08x}", sum.finalize())
@@ -189,11 +190,16 @@ impl Recipe {
         anyway: bool,
     ) -> Result<(), Error> {
         let wrong = |what: String| Err(Error::Prepared { what });
-        if self.scene != scene.source || self.scene_sum != sum(scene) {
-            let ours = sum(scene);
+        let (theirs, ours) = (&self.scene_sum, sum(scene));
+        if self.scene != scene.source {
             return wrong(format!(
-                "the choices are of another scene (its sum is {}, this one's {ours})",
-                self.scene_sum
+                "the choices are of another scene (its sum is {theirs}, this one's {ours})"
+            ));
+        }
+        if *theirs != ours {
+            return wrong(format!(
+                "a file that the scene names, of forces or of samples, is not what it was when the run began (the sum of \
+                 all is {ours}, it was {theirs}): put the old file back, or begin the run anew"
             ));
         }
         let told = RecipeOptions::of(options, scene);

@@ -1,7 +1,7 @@
 //! The tip's path over a step as a cubic through its ends, by indentation and rate.
 
 use super::Lane;
-use crate::constants::{EIGHTH, HALF, SIX, THREE, TWO};
+use crate::constants::{LEAST, ONE, SIX, THREE, TWO, ZERO};
 
 /// After a share x of the step the indentation is start + x (rate + x (bend + x twist)).
 #[derive(Clone, Copy)]
@@ -36,13 +36,19 @@ impl<L: Lane> CubicPath<L> {
     pub fn jerk(&self) -> L {
         L::splat(SIX) * self.twist
     }
-}
 
-/// Indentation and rate in the middle of a cubic through two points that are `span` steps apart.
-#[inline(always)]
-pub(super) fn midway<L: Lane>(from: (L, L), to: (L, L), span: f64) -> (L, L) {
-    let (half, span) = (L::splat(HALF), L::splat(span));
-    let indentation = half * (from.0 + to.0) + L::splat(EIGHTH) * span * (from.1 - to.1);
-    let mean = (to.0 - from.0) / span;
-    (indentation, mean + half * (mean - half * (from.1 + to.1)))
+    /// Where within the step the tip turns; an end where it does not.
+    #[inline(always)]
+    pub fn turn(&self) -> L {
+        let (zero, one) = (L::splat(ZERO), L::splat(ONE));
+        let (first, last) = (self.at(zero)[1], self.at(one)[1]);
+        let turns = (first * last).less(zero);
+        let mut share = first / L::select(turns, first - last, one);
+        for _ in 0..2 {
+            let [_, rate, turn] = self.at(share);
+            let level = turn.abs().less(L::splat(LEAST));
+            share = share - rate / L::select(level, one, turn);
+        }
+        L::select(turns, share.max(zero).min(one), zero)
+    }
 }

@@ -1,13 +1,13 @@
 //! A Kelvin-Voigt sample: the force follows indentation and rate. Ting (1966), J. Appl. Mech. 33, 845, or the *ad hoc* form
 //! of the literature; docs/method.md derives the step.
 
-use super::cubic_path::{CubicPath, midway};
+use super::cubic_path::CubicPath;
 use super::dmt::Tail;
 use super::hertz::{Elastic, Hertz};
 use super::path::Path;
 use super::{Approach, Interaction, Kick, Lane, Zip, extremes_near, touching_at};
 use crate::constants::{
-    EIGHT, EIGHTH, FIVE, HALF, HERTZ_SLOPE, LEAST, ONE, QUARTER, THIRD, TWELFTH, TWENTY_FOURTH, TWO, ZERO,
+    EIGHTH, FIVE, HALF, HERTZ_SLOPE, LEAST, ONE, THIRD, TWELFTH, TWENTY_FOURTH, TWO, ZERO,
 };
 use crate::lane::when;
 
@@ -239,13 +239,7 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         (pass, end, L::select(leaves, outward_slope, inward_slope))
     }
 
-    /// The whole force at an indentation and a rate.
-    #[inline(always)]
-    fn whole(&self, (indentation, rate): (L, L)) -> L {
-        self.point(indentation, rate).force + self.adhesion.sample(indentation)
-    }
-
-    /// What passes through zero along a path where an ad hoc force turns, with its slope.
+    /// What passes through zero where d^1.5 + 1.5 tau sqrt(d) v turns along a path, 2 d (v + tau a) + tau v^2, with its slope.
     #[inline(always)]
     fn turning(&self, path: &CubicPath<L>, share: L) -> (L, L) {
         let (two, tau) = (L::splat(TWO), self.retardation);
@@ -256,22 +250,25 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         (height, two * (rate * early + indentation * change + tau * rate * turn))
     }
 
-    /// The least force of an ad hoc contact that ends within the step: where d^1.5 + 1.5 tau sqrt(d) v turns along the path,
-    /// which is where 2 d (v + tau a) + tau v^2 passes through zero.
+    /// The force after a share of the step.
     #[inline(always)]
-    fn last_pull(&self, (start, end): ((L, L), (L, L))) -> L {
-        let (zero, one) = (L::splat(ZERO), L::splat(ONE));
-        let path = CubicPath::between(start, end);
-        let (first, last) = (self.turning(&path, zero).0, self.turning(&path, one).0);
-        let turns = L::both(first.less(zero), zero.less(last));
-        let mut share = (first / L::select(turns, first - last, one)).max(zero).min(one);
-        for _ in 0..3 {
-            let (height, slope) = self.turning(&path, share);
-            share = (share - height / slope.max(L::splat(LEAST))).max(zero).min(one);
-        }
+    fn force_on(&self, path: &CubicPath<L>, share: L) -> L {
         let [indentation, rate, _] = path.at(share);
-        let pulls = L::both(turns, L::both(zero.less(self.ad_hoc), end.1.less(zero)));
-        L::select(pulls, self.whole((indentation, rate)), self.whole(end))
+        self.point(indentation, rate).force + self.adhesion.sample(indentation)
+    }
+
+    /// The force where it turns next to an extreme of the samples.
+    #[inline(always)]
+    fn turn_near(&self, path: &CubicPath<L>, sampled: L) -> L {
+        let (zero, one, apart) = (L::splat(ZERO), L::splat(ONE), L::splat(EIGHTH));
+        let (low, high) = ((sampled - apart).max(zero), (sampled + apart).min(one));
+        let mut share = sampled;
+        for _ in 0..3 {
+            let (height, slope) = self.turning(path, share);
+            let level = slope.abs().less(L::splat(LEAST));
+            share = (share - height / L::select(level, one, slope)).max(low).min(high);
+        }
+        self.force_on(path, share)
     }
 
     /// Least and largest force of a step that may touch.
@@ -283,47 +280,37 @@ impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {
         )
     }
 
-    /// The same: of the parabolas through nine points of it.
+    /// The same: of nine samples of the step, of where the force turns next to their extremes, of where the tip turns, and of
+    /// where it crosses the surface. A curve through samples would overshoot where the contact begins or ends between two.
     #[inline(always)]
     fn followed(&self, at: Approach<L>, impulse: L) -> (L, L) {
+        let zero = L::splat(ZERO);
         let ends = StepEnds::of(at);
         let start = self.end_point(ends.start, ends.start_rate, None);
         let (_, end, _) = self.pass(at, (&ends, &start), impulse);
-        let (first, last) = ((start.indentation, start.rate), (end.indentation, end.rate));
-        let middle = midway(first, last, ONE);
-        let [early, late] = [midway(first, middle, HALF), midway(middle, last, HALF)];
-        let points = [
-            first,
-            midway(first, early, QUARTER),
-            early,
-            midway(early, middle, QUARTER),
-            middle,
-            midway(middle, late, QUARTER),
-            late,
-            midway(late, last, QUARTER),
-            last,
-        ];
-        let mut forces = [L::splat(ZERO); 9];
-        for (force, point) in forces.iter_mut().zip(points) {
-            *force = self.whole(point);
+        let path = CubicPath::between((start.indentation, start.rate), (end.indentation, end.rate));
+        let first = self.force_on(&path, zero);
+        let (mut least, mut most) = ((first, zero), (first, zero));
+        let mut share = zero;
+        for _ in 0..8 {
+            share = share + L::splat(EIGHTH);
+            let force = self.force_on(&path, share);
+            let (lower, higher) = (force.less(least.0), most.0.less(force));
+            least = (force.min(least.0), L::select(lower, share, least.1));
+            most = (force.max(most.0), L::select(higher, share, most.1));
         }
-        let pull = self.last_pull((first, last));
-        let mut extremes = (forces[0].min(forces[8]).min(pull), forces[0].max(forces[8]));
-        for three in forces.windows(3) {
-            let top = top_of([three[0], three[1], three[2]]);
-            extremes = (extremes.0.min(top), extremes.1.max(top));
+        let tip = path.turn();
+        let turns =
+            [self.turn_near(&path, least.1), self.turn_near(&path, most.1), self.force_on(&path, tip)];
+        let (low, high) = (start.indentation.min(end.indentation), start.indentation.max(end.indentation));
+        let crosses = L::both(low.less(zero), zero.less(high.max(path.at(tip)[0])));
+        let surface = self.adhesion.sample(low.max(zero));
+        let mut extremes = (least.0.min(L::select(crosses, surface, first)), most.0);
+        for force in turns {
+            extremes = (extremes.0.min(force), extremes.1.max(force));
         }
         extremes
     }
-}
-
-/// The top of the parabola through three evenly spaced numbers where the middle is above or below both, else the middle.
-#[inline(always)]
-fn top_of<L: Lane>([first, middle, last]: [L; 3]) -> L {
-    let turns = ((middle - first) * (last - middle)).less(L::splat(ZERO));
-    let slope = last - first;
-    let bend = L::select(turns, (last - middle) - (middle - first), L::splat(ONE));
-    L::select(turns, middle - slope * slope / (L::splat(EIGHT) * bend), middle)
 }
 
 impl<L: Lane, A: ContactAdhesion<L>> KelvinVoigt<L, A> {

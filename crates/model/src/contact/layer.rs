@@ -252,6 +252,30 @@ mod tests {
         }
     }
 
+    /// Truth: Gauss's quadrature over the indentation's root, in which forces and stiffnesses are polynomials.
+    #[test]
+    fn energy_is_the_forces_integral_and_force_the_stiffnesss() {
+        let nodes = gauss(8);
+        for (shape, rows) in [(TipShape::Paraboloid, PARABOLOID), (TipShape::Cone, CONE)] {
+            for row in [rows[2], rows[6], rows[14]] {
+                let law = contact(row, shape, 1e-7);
+                for delta in [1e-9, 2e-8, 1e-7 * row.3] {
+                    let root = 0.5 * f64::sqrt(delta);
+                    let integral = |value: &dyn Fn(f64) -> f64| {
+                        let part = |(x, weight): &(f64, f64)| {
+                            let s = root * (x + 1.0);
+                            root * weight * 2.0 * s * value(s * s)
+                        };
+                        nodes.iter().map(part).sum::<f64>()
+                    };
+                    let energy = integral(&|d| law.force(d, true)) / law.energy(delta, true) - 1.0;
+                    let force = integral(&|d| law.stiffness(d, true)) / law.force(delta, true) - 1.0;
+                    assert!(energy.abs() < 1e-12 && force.abs() < 1e-12, "{row:?}: {energy:e}, {force:e}");
+                }
+            }
+        }
+    }
+
     /// Truth: the problem solved at that Poisson ratio itself.
     #[test]
     fn poisson_ratios_between_those_solved_are_interpolated() {
