@@ -1,5 +1,7 @@
 //! The `afmsweep` program; everything it does is in the library, and in its module `cli`.
 
+mod elementary_functions;
+
 /// A searched sweep makes and frees very many states of some kilobytes, which the C library's allocator is slow at.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

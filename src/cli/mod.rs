@@ -35,6 +35,7 @@ mod study;
 mod table;
 
 use afmsweep::Error;
+use afmsweep::kernel::ROUNDING_VARIABLE;
 use afmsweep::report::shown;
 use afmsweep::scene::{Scene, SceneError};
 use afmsweep::store::Results;
@@ -168,6 +169,10 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Err(asked) => return not_parsed(&asked),
     };
     let voice = Verbosity { quiet: cli.quiet, verbose: cli.verbose };
+    if let Some(other) = unknown_rounding() {
+        say(format_args!("error: {ROUNDING_VARIABLE} is {}: `once` or `twice` is expected", other.display()));
+        return MISUSED;
+    }
     let outcome = match cli.command {
         Command::Run(args) => run::main(&args, voice),
         Command::Prepare(args) => prepare::main(&args, voice),
@@ -212,6 +217,11 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             }
         }
     }
+}
+
+/// What the environment says of rounding, if that means nothing.
+fn unknown_rounding() -> Option<OsString> {
+    std::env::var_os(ROUNDING_VARIABLE).filter(|told| told != "once" && told != "twice")
 }
 
 /// Arguments that are wrong, code 2; or the help or version that was asked for, which is an answer like any other.

@@ -34,6 +34,15 @@ fn a_bad_scene_is_shown_with_its_place() {
 }
 
 #[test]
+fn a_rounding_that_means_nothing_is_refused() {
+    let desk = Desk::new();
+    let output = desk.command(&["devices"]).env("AFMSWEEP_ROUNDING", "thrice").output().unwrap();
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(err.contains("AFMSWEEP_ROUNDING is thrice: `once` or `twice` is expected"), "{err}");
+}
+
+#[test]
 fn a_scene_that_is_not_there_is_named() {
     let desk = Desk::new();
     desk.refuses(&["run", "nowhere.toml"], &["nowhere.toml", "cannot read the scene", "check the name"]);

@@ -12,8 +12,11 @@
 mod checks;
 #[path = "../common/mod.rs"]
 mod common;
+// As the program has them: both then give the same bits.
 #[path = "../continuum/mod.rs"]
 mod continuum;
+#[path = "../../src/elementary_functions.rs"]
+mod elementary_functions;
 #[path = "../pages/mod.rs"]
 mod pages;
 #[path = "../program/mod.rs"]

@@ -9,6 +9,7 @@ use super::pair::Pair;
 use super::wasm::{Four32, Two64};
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Ymm32, Ymm64, Zmm32, Zmm64};
+use std::sync::LazyLock;
 
 /// Instructions that the kernel is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +36,8 @@ impl Rounding {
     /// Every operation rounds.
     pub const STRICT: Self = Self(None);
 
-    /// The best that this processor has; where it fuses nothing, every operation rounds.
+    /// The best that this processor has; where it fuses nothing, or the environment says `twice` ([`ROUNDING_VARIABLE`]), every
+    /// operation rounds.
     pub fn new(strict: bool) -> Self {
         Self(if strict { None } else { fused() })
     }
@@ -50,8 +52,17 @@ impl Rounding {
     }
 }
 
-#[cfg(target_arch = "x86_64")]
+/// The variable of the environment that says how often a sum of a product rounds: `once`, where the processor can, or `twice`.
+pub const ROUNDING_VARIABLE: &str = "AFMSWEEP_ROUNDING";
+
 fn fused() -> Fused {
+    static TWICE: LazyLock<bool> =
+        LazyLock::new(|| std::env::var_os(ROUNDING_VARIABLE).is_some_and(|told| told == "twice"));
+    if *TWICE { None } else { detected() }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn detected() -> Fused {
     let wide = is_x86_feature_detected!("avx512f")
         && is_x86_feature_detected!("avx512dq")
         && is_x86_feature_detected!("avx512vl");
@@ -60,12 +71,12 @@ fn fused() -> Fused {
 }
 
 #[cfg(target_arch = "aarch64")]
-fn fused() -> Fused {
+fn detected() -> Fused {
     Some(Instructions::Neon)
 }
 
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-fn fused() -> Fused {
+fn detected() -> Fused {
     None
 }
 

@@ -49,7 +49,7 @@ mod x86;
 
 pub use flow::{FlowMode, LANDS, Lever, flown, increments};
 pub use lane::{Lane, Pack, Zip, when};
-pub use lanes::{Rounding, instructions};
+pub use lanes::{ROUNDING_VARIABLE, Rounding, instructions};
 pub use law::{Attraction, Law, WithLaw};
 pub use run_sums::RunSums;
 pub use sample::Wave;

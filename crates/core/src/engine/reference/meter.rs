@@ -61,6 +61,8 @@ pub(super) struct Meter {
     pub time: f64,
     pub begun: f64,
     pub touched: bool,
+    /// Whether some of it was out of contact.
+    pub parted: bool,
     pub deepest: f64,
     pub force_min: f64,
     pub force_max: f64,
@@ -77,6 +79,7 @@ impl Meter {
             time: 0.0,
             begun: 0.0,
             touched: false,
+            parted: false,
             deepest: f64::NEG_INFINITY,
             force_min: f64::INFINITY,
             force_max: f64::NEG_INFINITY,
@@ -117,6 +120,7 @@ impl Meter {
             self.time += piece.h;
         }
         self.touched |= system.branch.touching;
+        self.parted |= !system.branch.touching;
     }
 
     /// Records the extreme forces within a step where they need not be at the extremes of the indentation.
@@ -154,6 +158,7 @@ impl Meter {
         for n in 0..PIECES {
             let (from, to) = (share(n), share(n + 1));
             let (before, after) = (pressing(from) > 0.0, pressing(to) > 0.0);
+            self.parted |= !(before && after);
             let change = if before == after { to } else { root(from, to, pressing) };
             self.time += piece.h * if before { change - from } else { to - change };
             self.begun += f64::from(u8::from(after && !self.pressed.unwrap_or(before)));

@@ -245,7 +245,8 @@ impl Sums {
             }
         }
         if wants.contact {
-            measured.contact_time = self.meter.time / span;
+            // Steps add up to a period but for rounding.
+            measured.contact_time = if self.meter.parted { self.meter.time / span } else { 1.0 };
             measured.contacts = self.meter.begun / f64::from(run.measure);
         }
         if wants.energy {
