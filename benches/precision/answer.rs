@@ -1,9 +1,11 @@
 //! What a solver answers for an instance, how it is measured, and how far it is from the truth.
 
 use crate::problem::Problem;
+use crate::random::quantile;
 use afmsweep::compare::{Scales, worst};
 use afmsweep::engine::Finished;
 use afmsweep::observe::{Measured, Status};
+use afmsweep::plan::Plan;
 use serde::{Deserialize, Serialize};
 
 /// Of the measured periods, in the units of the reduced problem.
@@ -39,19 +41,23 @@ impl Problem {
         truth: &[Finished],
         results: impl Iterator<Item = (usize, Measured)>,
     ) -> Errors {
+        Errors::of(&self.plan, truth, results)
+    }
+}
+
+impl Errors {
+    /// Of a plan's instances whose truth can be used.
+    pub fn of(plan: &Plan, truth: &[Finished], results: impl Iterator<Item = (usize, Measured)>) -> Self {
         let mut errors: Vec<f64> = results
             .filter(|(i, _)| truth[*i].status == Status::Ok)
             .map(|(i, ours)| {
                 let truth = &truth[i].measured;
-                worst(&self.plan.observables, &ours, truth, &Scales::of(&self.plan, i, truth))
+                worst(&plan.observables, &ours, truth, &Scales::of(plan, i, truth))
             })
             .collect();
         errors.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let last = errors.len().saturating_sub(1) as f64;
-            errors.get((share * last).round() as usize).copied().unwrap_or(f64::NAN)
-        };
-        Errors { median: at(0.5), p95: at(0.95), largest: at(1.0), counted: errors.len() }
+        let [median, p95, largest] = [0.5, 0.95, 1.0].map(|share| quantile(&errors, share));
+        Self { median, p95, largest, counted: errors.len() }
     }
 }
 

@@ -1,12 +1,12 @@
 //! Errors beside steps for the contacts that no other solver here has: losses, other tips, layers, forces beside the contact.
 
+use crate::answer::Errors;
 use crate::measure::timed;
 use crate::page_of_tables::{Part, write};
 use crate::random::contact::{CONTACTS, Contact};
-use crate::random::{Ranges, Wide, quantile, scene};
-use afmsweep::compare::{Scales, worst};
-use afmsweep::engine::{Cpu, Engine, Finished, Model, Progress, Reference};
-use afmsweep::observe::{Observable, Status};
+use crate::random::{Ranges, Wide, scene};
+use afmsweep::engine::{Cpu, Engine, Model, Progress, Reference};
+use afmsweep::observe::Observable;
 use afmsweep::plan::{Plan, Precision};
 use serde_json::{Value, json};
 
@@ -69,16 +69,16 @@ fn rows(word: &str, count: usize, seed: u64) -> Vec<Value> {
         let plan = plan.clone().with_steps(|_| steps);
         let work = || Cpu::default().run(&plan, &Progress::default()).expect("the plan can be run").results;
         let (seconds, results) = timed("cpu", work);
-        let errors = errors(&plan, &results, &truth);
-        let median = quantile(&errors, 0.5);
-        let order = before.replace(median).map(|before| (before / median).log2());
+        let ours = results.iter().enumerate().map(|(i, one)| (i, one.measured));
+        let errors = Errors::of(&plan, &truth, ours);
+        let order = before.replace(errors.median).map(|before| (before / errors.median).log2());
         let row = json!({
             "contact": word,
             "steps": steps,
-            "counted": errors.len(),
-            "median": median,
-            "p95": quantile(&errors, 0.95),
-            "largest": quantile(&errors, 1.0),
+            "counted": errors.counted,
+            "median": errors.median,
+            "p95": errors.p95,
+            "largest": errors.largest,
             "order": order,
             "microseconds": 1e6 * seconds / count as f64,
         });
@@ -86,17 +86,4 @@ fn rows(word: &str, count: usize, seed: u64) -> Vec<Value> {
         row
     };
     STEPS.into_iter().map(&mut row).collect()
-}
-
-/// Of the instances that the reference calls steady, sorted.
-fn errors(plan: &Plan, ours: &[Finished], truth: &[Finished]) -> Vec<f64> {
-    let pairs = ours.iter().zip(truth).enumerate().filter(|(_, (_, truth))| truth.status == Status::Ok);
-    let mut errors: Vec<f64> = pairs
-        .map(|(i, (ours, truth))| {
-            let scales = Scales::of(plan, i, &truth.measured);
-            worst(&plan.observables, &ours.measured, &truth.measured, &scales)
-        })
-        .collect();
-    errors.sort_by(f64::total_cmp);
-    errors
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// crates it is Cargo that sees to it.
 const ORDER: [&[&str]; 15] = [
     // The kernel is a crate of its own: what it may know is Cargo's to say.
-    &["clock", "suggestion", "kernel", "reconstruction", "legendre"],
+    &["clock", "suggestion", "kernel", "reconstruction", "legendre", "matrix_product"],
     &["units", "observe", "design"],
     &["scene"],
     &["instrument", "contact", "periodic"],

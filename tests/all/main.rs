@@ -12,9 +12,9 @@
 mod checks;
 #[path = "../common/mod.rs"]
 mod common;
-// As the program has them: both then give the same bits.
 #[path = "../continuum/mod.rs"]
 mod continuum;
+// As the program has them: both then give the same bits.
 #[path = "../../src/elementary_functions.rs"]
 mod elementary_functions;
 #[path = "../pages/mod.rs"]

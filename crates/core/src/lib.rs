@@ -12,4 +12,4 @@ pub mod sweep;
 
 use afmsweep_data::{clock, design, observe, store, units};
 use afmsweep_kernel as kernel;
-use afmsweep_model::{contact, instrument, scene};
+use afmsweep_model::{contact, instrument, matrix_product, scene};

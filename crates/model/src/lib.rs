@@ -4,6 +4,7 @@
 pub mod contact;
 pub mod instrument;
 mod legendre;
+pub mod matrix_product;
 pub mod scene;
 
 use afmsweep_data::{design, observe, suggestion, units};

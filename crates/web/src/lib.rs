@@ -1,7 +1,7 @@
 //! afmsweep for a web page: the text of a scene in, its results out as JSON. WebAssembly calls [`run`] over plain memory; native
 //! programs call [`answer`].
 
-// With it the compiler's own would do too, but for the versions of both.
+// Those that the compiler brings may be of another version than the program's.
 #[cfg(target_arch = "wasm32")]
 #[path = "../../../src/elementary_functions.rs"]
 mod elementary_functions;

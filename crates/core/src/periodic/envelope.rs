@@ -5,6 +5,7 @@
 //! whether it did: the exponential Rosenbrock-Euler method (Hochbruck & Ostermann, Acta Numerica 19 (2010) 209) for a
 //! difference equation. Motions that turn or fade fast cost nothing, however long the slow motion lasts.
 
+use crate::matrix_product::product;
 use nalgebra::{DMatrix, DVector};
 
 /// Allowed error of a step's end, as a share of the step ...
@@ -177,13 +178,6 @@ impl Envelope {
         let fades = 1u64 << done >= u64::from(self.options.decay_periods) && power.norm() < FADED_SHARE;
         EnvelopeStep { doublings: done, predicted: power * &self.change, step, sum, fades }
     }
-}
-
-/// Multiplies column by column, in one order on every processor; nalgebra's product depends on the processor.
-fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut all = DMatrix::zeros(a.nrows(), b.ncols());
-    all.column_iter_mut().zip(b.column_iter()).for_each(|(mut column, b)| column.gemv(1.0, a, &b, 0.0));
-    all
 }
 
 /// Doublings by which a step is too long if its error is `times` too large. The error goes with the third power.

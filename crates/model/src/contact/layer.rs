@@ -1,6 +1,7 @@
 //! A thin layer on a rigid ground: by how much stiffer it is than a half-space, solved once for a few Poisson ratios.
 
 use crate::legendre::gauss;
+use crate::matrix_product::product;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 use std::sync::OnceLock;
@@ -142,7 +143,7 @@ fn pressed(radius: f64, tip: LayerTip, waves: &[(f64, f64)]) -> [f64; 3] {
     let places = |i: usize| if i < count { nodes[i].0 } else { radius };
     let cosines = DMatrix::from_fn(count + 1, waves.len(), |i, j| (waves[j].0 * places(i)).cos());
     let weighted = DMatrix::from_fn(waves.len(), count, |j, i| waves[j].1 * cosines[(i, j)]);
-    let mut kernel = cosines * weighted;
+    let mut kernel = product(&cosines, &weighted);
     (0..count).for_each(|i| kernel.column_mut(i).scale_mut(FRAC_2_PI * nodes[i].1));
     let system = DMatrix::identity(count, count) - kernel.rows(0, count);
     let sides = DMatrix::from_fn(count, 2, |i, k| if k == 0 { 1.0 } else { profile(nodes[i].0) });
