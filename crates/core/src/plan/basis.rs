@@ -96,8 +96,28 @@ pub struct ReducedBasis {
     pub reason: String,
 }
 
+/// Most steps per period the rule gives; a scene may ask for more.
+pub const STEPS_MAX: u32 = 65_536;
 /// Largest phase, rad, that a kept oscillator may turn through in one step.
 pub(super) const ANGLE_MAX: f64 = 1.2;
+
+/// The fastest oscillator (rad/s) that so many steps a period of a drive of angular frequency `omega` can step.
+fn fastest_stepped(omega: f64, steps: f64) -> f64 {
+    omega * steps * ANGLE_MAX / std::f64::consts::TAU
+}
+
+/// Slows oscillators faster than `ceiling` (rad/s) to it by more mass and returns how many they are. Their flexibility stays,
+/// so that a contact, which is slower, feels the same spring (selective mass scaling: Olovsson, Simonsson & Unosson, Int. J.
+/// Numer. Meth. Engng 63, 2005, 1436).
+fn scale_mass(modes: &mut [KeptMode], ceiling: f64) -> usize {
+    let faster = modes.iter_mut().filter(|mode| mode.omega > ceiling);
+    faster
+        .map(|mode| {
+            mode.inverse_mass *= (ceiling / mode.omega).powi(2);
+            mode.omega = ceiling;
+        })
+        .count()
+}
 
 impl ReducedBasis {
     /// Chooses modes for a drive of angular frequency `omega`, in order of their share, until the remainder is below three
@@ -111,7 +131,7 @@ impl ReducedBasis {
         count: Option<usize>,
         steps_max: f64,
     ) -> Self {
-        let fastest = omega * steps_max * ANGLE_MAX / std::f64::consts::TAU;
+        let fastest = fastest_stepped(omega, steps_max);
         let mut kept = Self::by_share(instrument, accuracy, count, (fastest, steps_max));
         if let Some(count) = count {
             kept.reason = format!("{count} modes, as the scene says");
@@ -177,7 +197,8 @@ impl ReducedBasis {
 
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
     /// modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others.
-    /// `None` if there are too few modes to reduce, or a mode answers against the force.
+    /// What is faster than `count` times the contact is slowed to that: a richer basis is then also one of faster oscillators,
+    /// and the estimate, which compares with a poorer one, sees what this costs. `None` if there are too few modes to reduce, or a mode answers against the force.
     pub fn for_contact(instrument: &Instrument, omega: f64, rate: f64, count: usize) -> Option<Self> {
         let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
@@ -203,6 +224,8 @@ impl ReducedBasis {
             let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
+        let ceiling = (count as f64 * rate).min(0.5 * fastest_stepped(omega, f64::from(STEPS_MAX)));
+        let slowed = if all { 0 } else { scale_mass(&mut modes, ceiling) };
         let left =
             1.0 - modes.iter().map(|mode| mode.inverse_mass / mode.omega.powi(2)).sum::<f64>() / flexibility;
         let reason = match all {
@@ -214,6 +237,10 @@ impl ReducedBasis {
                 count - exact.len(),
                 rate / std::f64::consts::TAU / 1e6
             ),
+        };
+        let reason = match slowed {
+            0 => reason,
+            _ => format!("{reason}, {slowed} slowed to {:.4} MHz", ceiling / std::f64::consts::TAU / 1e6),
         };
         let rule = BasisRule::Contact { rate, count };
         Some(Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason })

@@ -25,7 +25,7 @@ mod steps;
 mod unshared_drives;
 
 pub(crate) use basis::RICHEST_ACCURACY_SHARE;
-pub use basis::{BasisRule, ReducedBasis};
+pub use basis::{BasisRule, ReducedBasis, STEPS_MAX};
 pub use classes::{Class, Shape};
 pub use compliance::{compliance, reduced};
 pub use construction::PlanError;
@@ -36,7 +36,7 @@ pub use plan_summary::PlanSummary;
 pub use policy::Policy;
 pub use precision::Precision;
 pub use rebasing::Rebasing;
-pub use steps::{STEPS_MAX, STEPS_MIN};
+pub use steps::STEPS_MIN;
 
 use crate::contact::{Compact, Contact, Law};
 use crate::kernel::MODES_MAX;

@@ -1,14 +1,12 @@
 //! Steps per drive period.
 
-use super::basis::ANGLE_MAX;
+use super::basis::{ANGLE_MAX, STEPS_MAX};
 use super::{BasisRule, Driven, ReducedBasis};
 use crate::contact::Contact;
 use std::f64::consts::TAU;
 
 /// Fewest steps per period the rule gives.
 pub const STEPS_MIN: u32 = 64;
-/// Most steps per period the rule gives; a scene may ask for more.
-pub const STEPS_MAX: u32 = 65_536;
 
 /// Steps per period for smooth scenes at accuracy 1e-3, and the order by which they grow with the accuracy.
 const BASE_STEPS: f64 = 128.0;
