@@ -145,7 +145,11 @@ function drawCurve() {
     const data = here.kind === 'followed' ? [x, ok[0], ok[1], nothing] : [x, nothing, nothing, ok[0]];
     plot.setData(/** @type {any} */ (data));
     const unit = prefix.unit === '' ? '' : `, ${prefix.unit}`;
-    element(`c-${CURVE_PLOTS[n].name}-words`).textContent = `${CURVE_PLOTS[n].words}${unit}, over the gap, ${gap.unit}`;
+    // A tip that never touches has no indentation.
+    const some = data.slice(1).some((line) => line.some((value) => value !== null));
+    element(`c-${CURVE_PLOTS[n].name}-words`).textContent = some
+      ? `${CURVE_PLOTS[n].words}${unit}, over the gap, ${gap.unit}`
+      : `${CURVE_PLOTS[n].words}: none anywhere on this curve`;
   });
   markOld('curves', here.round !== rounds.curve);
   element('curve-kind').textContent =
