@@ -121,7 +121,7 @@ const CASES: &[(&str, Expect)] = &[
     ("soft_0.5_jkr", Within(touches)),
     ("soft_1_dmt", Within(touches)),
     ("soft_1_hertz", Within(touches)),
-    ("soft_1_jkr", InDouble(touches)),
+    ("soft_1_jkr", Within(touches)),
     ("tip_mass_dmt", Within(touches)),
     ("tip_mass_jkr", Within(touches)),
     ("tip_mass_light", Within(touches)),
@@ -263,7 +263,7 @@ fn accurate_or_a_status_that_says_why_not() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Contacts so much faster than a soft lever that oscillators far faster still are slowed (`plan/basis.rs`), in a grid.
+/// Contacts much faster than a soft lever, in a grid whose instances have bases of their own.
 #[test]
 fn agree_soft_lever_on_stiff_samples_with_the_reference() {
     let text = r#"
@@ -299,8 +299,6 @@ fn agree_soft_lever_on_stiff_samples_with_the_reference() {
     let run = controlled(&checks::plan(&scene, None));
     let options = Reference { tolerance: TOLERANCE, ..Reference::default() };
     let truths = control::by_reference(&run.plan, &options, &Progress::default()).expect("each is solved");
-    let slowed = |i: usize| run.plan.driven(i as u32).kept.reason.contains("slowed");
-    assert!((0..run.plan.len()).any(slowed), "no oscillator is slowed");
     let mut worst: f64 = 0.0;
     for (i, truth) in truths.outcome.results.iter().enumerate() {
         let finished = run.results.get(i);

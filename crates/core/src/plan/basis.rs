@@ -53,11 +53,6 @@ const OSCILLATORS_PER_MODE: f64 = 1.3;
 const OSCILLATORS_BESIDE: f64 = 4.0;
 const OSCILLATOR_GROWTH: f64 = 0.12;
 
-/// An oscillator of a reduction is slowed to so many times the contact's rate for each oscillator of the basis. Of 1,400 cases
-/// of a soft lever (8 N/m on 7 to 9.5 GPa; some are in tests/all/hard_cases.rs) the largest force is off by 3.2e-4
-/// for 95 % of them, as without a ceiling by 2.8e-4; with 1.5 by 4.4e-4; with 1 by 6.9e-4, and 57 miss the accuracy.
-const CEILING_PER_OSCILLATOR: f64 = 2.0;
-
 /// Modes faster than the contact by more than this are not kept as they are.
 const MAX_MODE_RATE_RATIO: f64 = 64.0;
 
@@ -202,8 +197,8 @@ impl ReducedBasis {
 
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
     /// modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others.
-    /// What is far faster than the contact is slowed, the less the richer the basis is: a richer basis is then also one of faster oscillators,
-    /// and the estimate, which compares with a poorer one, sees what this costs. `None` if there are too few modes to reduce, or a mode answers against the force.
+    /// What is too fast for the most steps there are is slowed. `None` if there are too few modes to reduce, or a mode answers
+    /// against the force.
     pub fn for_contact(instrument: &Instrument, omega: f64, rate: f64, count: usize) -> Option<Self> {
         let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
@@ -229,8 +224,8 @@ impl ReducedBasis {
             let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
-        let ceiling = (CEILING_PER_OSCILLATOR * count as f64 * rate)
-            .min(0.5 * fastest_stepped(omega, f64::from(STEPS_MAX)));
+        // Half of what can be stepped: such oscillators need twice the steps.
+        let ceiling = 0.5 * fastest_stepped(omega, f64::from(STEPS_MAX));
         let slowed = if all { 0 } else { scale_mass(&mut modes, ceiling) };
         let left =
             1.0 - modes.iter().map(|mode| mode.inverse_mass / mode.omega.powi(2)).sum::<f64>() / flexibility;
