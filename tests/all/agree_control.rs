@@ -5,12 +5,22 @@ use afmsweep::compare::{Scales, worst};
 use afmsweep::control::{self, MemoryJournal, RunResult};
 use afmsweep::engine::{Cpu, Engine, Progress, Reference};
 use afmsweep::observe::Status;
-use afmsweep::plan::Plan;
+use afmsweep::plan::{BasisRule, Driven, Plan};
 use afmsweep::scene::{LawChoice, Scene, Steady};
 use std::path::Path;
 
 fn controlled(plan: &Plan) -> RunResult {
     control::run(plan, &Cpu::default(), &Progress::default()).unwrap()
+}
+
+/// The error of each instance of a run whose instances are all ok, by the reference engine.
+fn audited(run: &RunResult) -> Vec<f64> {
+    assert!(run.results.iter().all(|one| one.status == Status::Ok));
+    let audited = control::audit(run, run.plan.len(), &MemoryJournal::default(), &Progress::default());
+    let errors: Vec<f64> = audited.expect("it runs").iter().filter_map(|one| one.worst).collect();
+    println!("largest error {:.1e}", errors.iter().copied().fold(0.0, f64::max));
+    assert_eq!(errors.len(), run.plan.len());
+    errors
 }
 
 /// A stiff lever of several modes on soft to stiff samples.
@@ -81,14 +91,49 @@ fn gaps_swept_alone_each_have_the_modes_they_need() {
         observables = ["amplitude", "phase", "force_max", "indentation_max"]
     "#;
     let scene = Scene::parse(Path::new("gaps.toml"), text).expect("the scene is whole");
-    let plan = checks::plan(&scene, None);
-    let run = controlled(&plan);
-    assert!(run.results.iter().all(|one| one.status == Status::Ok));
-    let audited = control::audit(&run, plan.len(), &MemoryJournal::default(), &Progress::default());
-    let errors: Vec<f64> = audited.expect("it runs").iter().filter_map(|one| one.worst).collect();
-    println!("largest error {:.1e}", errors.iter().copied().fold(0.0, f64::max));
-    assert_eq!(errors.len(), plan.len());
+    let run = controlled(&checks::plan(&scene, None));
+    let errors = audited(&run);
     assert!(errors.iter().all(|error| *error < scene.run.accuracy), "{errors:?}");
+}
+
+/// Contacts much faster than a lever of 8 N/m, whose rate chooses its oscillators.
+#[test]
+fn a_soft_lever_on_stiff_samples_meets_the_accuracy() {
+    let text = r#"
+        [instrument.cantilever]
+        stiffness = "8 N/m"
+        frequency = "90 kHz"
+        quality_factor = 200
+        [instrument.actuator]
+        model = "rigid"
+        [instrument.tip]
+        radius = "40 nm"
+        [sample]
+        youngs_modulus = "5 GPa"
+        poisson_ratio = 0.3
+        surface_energy = "30 mJ/m^2"
+        [contact]
+        law = "dmt"
+        decay_length = "0.3 nm"
+        [drive]
+        on = "tip"
+        frequency = "90 kHz"
+        free_amplitude = "45 nm"
+        [approach]
+        gap = "30 nm"
+        [sweep]
+        "sample.youngs_modulus" = { from = "5 GPa", to = "20 GPa", points = 4, scale = "log" }
+        "approach.gap" = { from = "16 nm", to = "40 nm", points = 4 }
+        [run]
+        steady = "search"
+        accuracy = 1e-3
+    "#;
+    let scene = Scene::parse(Path::new("soft_lever.toml"), text).expect("the scene is whole");
+    let run = controlled(&checks::plan(&scene, None));
+    let by_rate = |driven: &Driven| matches!(driven.kept.rule, BasisRule::Contact { .. });
+    assert!(run.plan.drives.iter().any(by_rate), "no contact is fast");
+    let errors = audited(&run);
+    assert!(errors.iter().all(|error| *error <= scene.run.accuracy), "{errors:?}");
 }
 
 /// The coarser of the first two runs has steps in which the fastest oscillator turns by more than half a turn. It says little

@@ -146,7 +146,7 @@ function drawCurve() {
     plot.setData(/** @type {any} */ (data));
     const unit = prefix.unit === '' ? '' : `, ${prefix.unit}`;
     // A tip that never touches has no indentation.
-    const some = data.slice(1).some((line) => line.some((value) => value !== null));
+    const some = ok.flat().some((value) => value !== null);
     element(`c-${CURVE_PLOTS[n].name}-words`).textContent = some
       ? `${CURVE_PLOTS[n].words}${unit}, over the gap, ${gap.unit}`
       : `${CURVE_PLOTS[n].words}: none anywhere on this curve`;
