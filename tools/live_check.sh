@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Tries the web page: its engine's numbers against the program's, the types of its scripts, the page itself in Chromium.
-# target/web/engine.wasm.gz is there. Needs node, npm and Chromium, which it installs where it may. Arguments go to cargo.
+# target/web/engine.wasm.zst is there. Needs node, npm and Chromium, which it installs where it may. Arguments go to cargo.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tools/apt.sh
 program=${CARGO_TARGET_DIR:-target}/debug/afmsweep
-engine=target/web/engine.wasm.gz
+engine=target/web/engine.wasm.zst
 # The program beside the test, as tools/python_check.sh has it: no library is compiled twice.
 cargo test "$@" --test all --no-run
 
@@ -18,7 +18,8 @@ if [ ${#missing[@]} -gt 0 ]; then
         exit 1
     }
 fi
-.venv/bin/python tests/python/live_engine.py "$program" "$engine"
+zstd -d -q -f "$engine" -o target/web/engine.wasm
+.venv/bin/python tests/python/live_engine.py "$program" target/web/engine.wasm
 mkdir -p target/web/test
 cp crates/web/test/package.json target/web/test/
 npm install --prefix target/web/test --no-package-lock --no-audit --no-fund --silent
@@ -26,7 +27,6 @@ for config in page/tsconfig page/tsconfig.worker explore/tsconfig; do
     target/web/test/node_modules/.bin/tsc --project "crates/web/$config.json"
 done
 "$program" live --engine "$engine" -o target/web/live.html
-gunzip -c "$engine" >target/web/engine.wasm
 export NODE_PATH=$PWD/target/web/test/node_modules
 node crates/web/test/browser.mjs target/web/live.html target/web/engine.wasm
 # Pages of results: a grid, a list, and a grid with an axis of names.

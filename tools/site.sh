@@ -25,7 +25,7 @@ if ! "${PYTHON:-.venv/bin/python}" -m mkdocs build --strict --config-file mkdocs
 fi
 # The live page, where its engine is built.
 program=${CARGO_TARGET_DIR:-target}/release/afmsweep
-if [ -f target/web/engine.wasm.gz ] && [ -x "$program" ]; then
-    "$program" -q live --engine target/web/engine.wasm.gz -o target/site/live.html
+if [ -f target/web/engine.wasm.zst ] && [ -x "$program" ]; then
+    "$program" -q live --engine target/web/engine.wasm.zst -o target/site/live.html
 fi
 echo "site: target/site/index.html"

@@ -24,12 +24,12 @@ pub struct LiveArgs {
 /// The engine that `make live` has built before this program.
 #[cfg(feature = "live")]
 const BUILT_IN: Option<&[u8]> =
-    Some(include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/target/web/engine.wasm.gz")));
+    Some(include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/target/web/engine.wasm.zst")));
 #[cfg(not(feature = "live"))]
 const BUILT_IN: Option<&[u8]> = None;
 
-/// The first bytes of a file packed by gzip.
-const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// The first bytes of a file packed by zstd.
+const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// Tables of a scene that the page's sliders and pictures take the place of.
 const LEFT_OUT: [&str; 7] = ["title", "sweep", "samples", "uncertain", "design", "curve", "output"];
@@ -62,9 +62,9 @@ pub fn main(args: &LiveArgs, voice: Verbosity) -> anyhow::Result<()> {
 pub(super) fn engine(file: Option<&Path>) -> anyhow::Result<Option<Vec<u8>>> {
     let Some(path) = file else { return Ok(BUILT_IN.map(<[u8]>::to_vec)) };
     let engine = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    if !engine.starts_with(&GZIP) {
+    if !engine.starts_with(&ZSTD) {
         bail!(
-            "{} is no engine for pages: expected the file engine.wasm.gz that `make live` builds",
+            "{} is no engine for pages: expected the file engine.wasm.zst that `make live` builds",
             path.display()
         );
     }

@@ -17,12 +17,12 @@ fn start(page: &str) -> Value {
 fn pages_begin_with_the_first_instance_of_each_example() {
     let desk = Desk::new();
     // Packed or not, the program only puts it in.
-    std::fs::write(desk.path("engine.wasm.gz"), [0x1f, 0x8b, 1, 2, 3]).unwrap();
+    std::fs::write(desk.path("engine.wasm.zst"), [0x28, 0xb5, 0x2f, 0xfd, 3]).unwrap();
     for path in scenes() {
         let name = path.to_str().unwrap();
-        desk.works(&["live", name, "--engine", "engine.wasm.gz", "-o", "page.html", "-q"]);
+        desk.works(&["live", name, "--engine", "engine.wasm.zst", "-o", "page.html", "-q"]);
         let page = std::fs::read_to_string(desk.path("page.html")).unwrap();
-        assert!(page.contains("H4sBAgM="), "{name}: the engine is not in it");
+        assert!(page.contains("KLUv/QM="), "{name}: the engine is not in it");
         let start = start(&page);
         let base = toml::to_string(&start["base"]).unwrap();
         let read =
@@ -62,7 +62,7 @@ const LEVER: &str = "[instrument.cantilever]\nstiffness = \"26 N/m\"\nfrequency 
 #[test]
 fn lists_and_grids_of_three_axes_have_a_page_to_explore_them() {
     let desk = Desk::new();
-    std::fs::write(desk.path("engine.wasm.gz"), [0x1f, 0x8b, 1, 2, 3]).unwrap();
+    std::fs::write(desk.path("engine.wasm.zst"), [0x28, 0xb5, 0x2f, 0xfd, 3]).unwrap();
     let gap = "\"approach.gap\" = { values = [\"16 nm\", \"18 nm\"] }\n";
     let modulus = "\"sample.youngs_modulus\" = { values = [\"1 GPa\", \"2 GPa\", \"3 GPa\"] }\n";
     let radius = "\"instrument.tip.radius\" = { values = [\"10 nm\", \"20 nm\"] }\n";
@@ -96,9 +96,9 @@ fn lists_and_grids_of_three_axes_have_a_page_to_explore_them() {
         told(&["--below", "force_max=1fN"]);
         let limited = start(&page("explore.html").unwrap());
         assert_eq!(limited["words"]["254"]["word"], "outside the limits asked for", "{name}");
-        told(&["--engine", "engine.wasm.gz"]);
+        told(&["--engine", "engine.wasm.zst"]);
         let with_engine = page("explore.html").unwrap();
-        assert!(with_engine.contains("H4sBAgM="), "{name}: the engine is not in it");
+        assert!(with_engine.contains("KLUv/QM="), "{name}: the engine is not in it");
         let base = start(&with_engine)["live"]["base"].clone();
         assert_eq!(base["contact"]["law"], "hertz", "{name}");
         assert!(base.get("sweep").is_none() && base.get("curve").is_none(), "{name}: {base}");

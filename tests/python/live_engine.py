@@ -1,6 +1,6 @@
 """The web page's engine against the program: the same scenes under Node and by the command.
 
-    python live_engine.py PROGRAM target/web/engine.wasm.gz [--rows N]
+    python live_engine.py PROGRAM target/web/engine.wasm [--rows N]
 
 Lists of random levers, samples, drives and gaps under each law, a followed curve both ways, set-points, second states, a map.
 The truth is the program's results file. With AFMSWEEP_ROUNDING=twice all statuses and numbers must be equal to the bit. As the

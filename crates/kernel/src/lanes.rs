@@ -6,7 +6,7 @@ use super::Pack;
 #[cfg(any(target_arch = "x86_64", target_feature = "simd128"))]
 use super::pair::Pair;
 #[cfg(target_feature = "simd128")]
-use super::wasm::{Four32, Two64};
+use super::wasm::Two64;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Ymm32, Ymm64, Zmm32, Zmm64};
 use std::sync::LazyLock;
@@ -124,9 +124,7 @@ pub(crate) fn with_single<S: WithLanes<f32>>(rounding: Rounding, what: S) -> S::
         Some(Instructions::Avx2) => what.with::<(Pair<Ymm32>, Pair<Ymm32>)>(),
         #[cfg(target_arch = "aarch64")]
         Some(Instructions::Neon) => what.with::<(Pack<f32, 16, true>, Pack<f32, 16, true>)>(),
-        #[cfg(target_feature = "simd128")]
-        None => what.with::<(Four32, Pair<Four32>)>(),
-        #[cfg(not(target_feature = "simd128"))]
+        // In a web page too: it computes in f64, and lanes of f32 would be a twentieth of its packed engine.
         None => what.with::<(f32, f32)>(),
     }
 }

@@ -39,7 +39,7 @@ const SCRIPTS: &[&str] = &[
 ];
 
 /// The page that begins with `start`: its `title`, the `base` scene, and makers' `levers` (crates/web/page/scene.js reads them).
-/// `engine` is the library for WebAssembly, packed by gzip.
+/// `engine` is the library for WebAssembly, packed by zstd.
 pub fn live_page(start: &Value, engine: &[u8]) -> String {
     let parts = [("/*ENGINE*/", STANDARD.encode(engine)), ("/*WORKER*/", WORKER.to_owned())];
     assembled(page_file!("page.html"), SCRIPTS, start, &parts)
@@ -51,8 +51,10 @@ pub(super) const WORKER: &str = page_file!("worker.js");
 /// A page of one file: the frame with the style, the scripts, what it starts with and other parts in the places of their marks.
 pub(super) fn assembled(frame: &str, scripts: &[&str], start: &Value, more: &[(&str, String)]) -> String {
     let style = [page_file!("page.css"), page_file!("vendor/uplot/uPlot.min.css")].concat();
-    let plots = page_file!("vendor/uplot/uPlot.iife.min.js");
-    let scripts = format!("{plots}\n(() => {{\n'use strict';\n{}\n}})();", scripts.join("\n"));
+    let libraries =
+        [page_file!("vendor/uplot/uPlot.iife.min.js"), page_file!("vendor/fzstd/fzstd.umd.min.js")]
+            .join("\n");
+    let scripts = format!("{libraries}\n(() => {{\n'use strict';\n{}\n}})();", scripts.join("\n"));
     // No text of a scene may end the element that it stands in.
     let start = start.to_string().replace('<', "\\u003c");
     let own = [("/*STYLE*/", style), ("/*SCRIPTS*/", scripts), ("/*START*/", start)];

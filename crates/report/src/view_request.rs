@@ -23,7 +23,7 @@ const WAYS: [&str; 2] = ["forward", "backward"];
 pub struct PageEngine {
     /// The scene that the cases are made of, as an object with `title` and `base`.
     pub start: serde_json::Value,
-    /// The library for WebAssembly, packed by gzip.
+    /// The library for WebAssembly, packed by zstd.
     pub library: Vec<u8>,
 }
 

@@ -101,7 +101,9 @@ const observables = () => COLUMNS.filter((one) => one.role === 'observable');
 
 /** Reads the pack: the columns, the waveforms, the statuses, the flags. */
 async function readPack() {
-  const pack = await unpacked('pack', 'application/octet-stream').arrayBuffer();
+  if (typeof DecompressionStream !== 'function') throw new Error('This browser has no DecompressionStream.');
+  const unpacked = new Blob([bytesOf('pack')]).stream().pipeThrough(new DecompressionStream('gzip'));
+  const pack = await new Response(unpacked).arrayBuffer();
   let at = 0;
   const numbers = (/** @type {number} */ count) => {
     at += 4 * count;

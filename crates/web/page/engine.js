@@ -153,23 +153,20 @@ const SIMD_MODULE = new Uint8Array([
   0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
 ]);
 
-/** What an element of the page holds, packed by gzip and written in base64. @param {string} id @param {string} type */
-function unpacked(id, type) {
+/** The bytes that an element of the page holds in base64. @param {string} id */
+function bytesOf(id) {
   const text = atob(document.getElementById(id)?.textContent?.trim() ?? '');
   // A plain loop: with millions of letters it takes a fraction of what Uint8Array.from does.
   const bytes = new Uint8Array(text.length);
   for (let n = 0; n < text.length; n++) bytes[n] = text.charCodeAt(n);
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
-  return new Response(stream, { headers: { 'Content-Type': type } });
+  return bytes;
 }
 
 /** Unpacks the engine and starts two or more. An error tells in words what the browser lacks. */
 async function startEngines() {
   if (typeof WebAssembly !== 'object') throw new Error('This browser has no WebAssembly.');
   if (!WebAssembly.validate(SIMD_MODULE)) throw new Error("This browser's WebAssembly has no SIMD instructions.");
-  if (typeof DecompressionStream !== 'function') throw new Error('This browser has no DecompressionStream.');
-  // It is compiled while it is unpacked.
-  engineModule = await WebAssembly.compileStreaming(unpacked('engine', 'application/wasm'));
+  engineModule = await WebAssembly.compile(fzstd.decompress(bytesOf('engine')));
   const code = document.getElementById('worker')?.textContent ?? '';
   workerUrl = URL.createObjectURL(new Blob([code], { type: 'text/javascript' }));
   engineCount = Math.max(2, Math.min(4, navigator.hardwareConcurrency || 2));

@@ -2,4 +2,5 @@
 type Plot = import('./vendor/uplot/uPlot');
 type PlotOptions = import('./vendor/uplot/uPlot').Options;
 type PlotSeries = import('./vendor/uplot/uPlot').Series;
+declare const fzstd: typeof import('./vendor/fzstd/fzstd');
 interface Window { afmsweep: unknown }

@@ -1,9 +1,8 @@
-// The page's engine under Node: `node answers.mjs ENGINE.wasm.gz SCENE...` prints one line of JSON for each scene.
+// The page's engine under Node: `node answers.mjs ENGINE.wasm SCENE...` prints one line of JSON for each scene.
 import fs from 'node:fs';
-import zlib from 'node:zlib';
 
 const [engine, ...scenes] = process.argv.slice(2);
-const module = await WebAssembly.compile(zlib.gunzipSync(fs.readFileSync(engine)));
+const module = await WebAssembly.compile(fs.readFileSync(engine));
 const { exports } = await WebAssembly.instantiate(module, { page: { now: () => performance.now() } });
 
 for (const scene of scenes) {
