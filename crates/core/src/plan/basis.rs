@@ -11,7 +11,7 @@
 //! chooses the oscillators: the modes that ring on between contacts, and for the rest a rational Krylov reduction of what the
 //! tip feels of it (`compliance.rs`).
 
-use super::compliance::{compliance, reduced};
+use super::compliance::{MAX_RATE_RATIO, compliance, reduced};
 use super::mass_scaling::scale_mass;
 use super::oscillator::KeptMode;
 use super::resonant_modes::{is_head_on, resonant_modes};
@@ -37,10 +37,6 @@ pub(crate) const RICHEST_ACCURACY_SHARE: f64 = 0.1;
 
 /// Numbers of oscillators that the rate of a contact may choose.
 pub(super) const OSCILLATOR_COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
-
-/// The compliance of modes chosen by share is checked up to this many times the contact's rate: onset and end of a contact are
-/// faster than its middle.
-pub(super) const MAX_RATE_RATIO: f64 = 4.0;
 
 /// Allowed error of the compliance at the contact's rate, as a share of the accuracy; the bound is wider beyond that rate, see
 /// [`ReducedBasis::wrong`]. Below the accuracy `COARSE_ACCURACY` the share falls with the accuracy's square root: without that
@@ -105,6 +101,19 @@ pub(super) const ANGLE_MAX: f64 = 1.2;
 /// The fastest oscillator (rad/s) that so many steps a period of a drive of angular frequency `omega` can step.
 fn fastest_stepped(omega: f64, steps: f64) -> f64 {
     omega * steps * ANGLE_MAX / std::f64::consts::TAU
+}
+
+/// Tells of a basis of so many of the lever's modes and other oscillators for contacts of the rate `rate` (rad/s), and how many of
+/// them are slowed to which frequency (rad/s).
+fn reduction_reason(exact: usize, made: usize, rate: f64, slowed: Option<(usize, f64)>) -> String {
+    let megahertz = |omega: f64| omega / std::f64::consts::TAU / 1e6;
+    let plural = if exact == 1 { "" } else { "s" };
+    let told =
+        format!("{exact} mode{plural} and {made} oscillators for contacts of {:.4} MHz", megahertz(rate));
+    match slowed {
+        None => told,
+        Some((count, ceiling)) => format!("{told}, {count} slowed to {:.4} MHz", megahertz(ceiling)),
+    }
 }
 
 impl ReducedBasis {
@@ -231,19 +240,7 @@ impl ReducedBasis {
             1.0 - modes.iter().map(|mode| mode.inverse_mass / mode.omega.powi(2)).sum::<f64>() / flexibility;
         let reason = match all {
             true => format!("all {} modes that move the tip", exact.len()),
-            false => format!(
-                "{} mode{} and {} oscillators for contacts of {:.4} MHz",
-                exact.len(),
-                if exact.len() == 1 { "" } else { "s" },
-                count - exact.len(),
-                rate / std::f64::consts::TAU / 1e6
-            ),
-        };
-        let reason = match slowed {
-            None => reason,
-            Some((count, ceiling)) => {
-                format!("{reason}, {count} slowed to {:.4} MHz", ceiling / std::f64::consts::TAU / 1e6)
-            }
+            false => reduction_reason(exact.len(), count - exact.len(), rate, slowed),
         };
         let rule = BasisRule::Contact { rate, count };
         Some(Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason })

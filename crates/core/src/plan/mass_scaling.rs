@@ -4,8 +4,7 @@
 //! them, so that a contact feels the same spring (selective mass scaling: Olovsson, Simonsson & Unosson, Int. J. Numer. Meth.
 //! Engng 63, 2005, 1436).
 
-use super::basis::MAX_RATE_RATIO;
-use super::compliance::compliance;
+use super::compliance::{MAX_RATE_RATIO, compliance};
 use super::oscillator::KeptMode;
 
 /// Slowing oscillators may change the compliance by this share of the accuracy. With a tenth, JKR's largest force on a lever of
