@@ -143,7 +143,7 @@ impl Driven {
             return None;
         }
         let count = ReducedBasis::oscillators(instrument, self.free.omega, rate, accuracy);
-        self.for_contacts(rung, accuracy, |kept| kept.modes.len() >= count)
+        self.for_contacts(rung, |kept| kept.modes.len() >= count)
     }
 
     /// The smallest basis for contacts of the rung that is `good`, or else the largest one; `None` if a mode answers against
@@ -151,18 +151,12 @@ impl Driven {
     pub(super) fn for_contacts(
         &self,
         rung: u32,
-        accuracy: f64,
         good: impl Fn(&ReducedBasis) -> bool,
     ) -> Option<Arc<ReducedBasis>> {
         let mut richest = None;
         // The first number is only compared with the next.
         for count in OSCILLATOR_COUNTS.into_iter().skip(1) {
-            let kept = ReducedBasis::for_contact(
-                &self.instrument,
-                (self.free.omega, self.rate(rung)),
-                count,
-                accuracy,
-            );
+            let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, self.rate(rung), count);
             let enough = kept.as_ref().is_some_and(&good);
             richest = kept.or(richest);
             if enough {
@@ -176,14 +170,13 @@ impl Driven {
     pub(super) fn reduced_by(
         &self,
         rule: BasisRule,
-        accuracy: f64,
         shares: impl FnOnce(f64) -> ReducedBasis,
     ) -> Arc<ReducedBasis> {
         match rule {
             _ if rule == self.kept.rule => Arc::clone(&self.kept),
-            BasisRule::Shares { accuracy: own } => Arc::new(shares(own)),
+            BasisRule::Shares { accuracy } => Arc::new(shares(accuracy)),
             BasisRule::Contact { rate, count } => {
-                ReducedBasis::for_contact(&self.instrument, (self.free.omega, rate), count, accuracy)
+                ReducedBasis::for_contact(&self.instrument, self.free.omega, rate, count)
                     .map_or_else(|| Arc::clone(&self.kept), Arc::new)
             }
         }

@@ -154,7 +154,7 @@ impl Plan {
     pub fn contact_basis_rule(&self, instance: u32) -> Option<BasisRule> {
         let (case, driven) = (self.case(instance), self.driven(instance));
         let rung = driven.rung(&case.contact, case.gap);
-        Some(richer_than(driven, rung, driven.kept.modes.len(), self.run.accuracy)?.rule)
+        Some(richer_than(driven, rung, driven.kept.modes.len())?.rule)
     }
 
     /// Uses these gaps, one for each instance (m).
