@@ -51,9 +51,13 @@ pub(super) const WORKER: &str = page_file!("worker.js");
 /// A page of one file: the frame with the style, the scripts, what it starts with and other parts in the places of their marks.
 pub(super) fn assembled(frame: &str, scripts: &[&str], start: &Value, more: &[(&str, String)]) -> String {
     let style = [page_file!("page.css"), page_file!("vendor/uplot/uPlot.min.css")].concat();
-    let libraries =
-        [page_file!("vendor/uplot/uPlot.iife.min.js"), page_file!("vendor/fzstd/fzstd.umd.min.js")]
-            .join("\n");
+    // Their licences ask to travel with them.
+    let libraries = [
+        (page_file!("vendor/uplot/LICENSE"), page_file!("vendor/uplot/uPlot.iife.min.js")),
+        (page_file!("vendor/fzstd/LICENSE"), page_file!("vendor/fzstd/fzstd.umd.min.js")),
+    ]
+    .map(|(licence, script)| format!("/*\n{licence}*/\n{script}"))
+    .join("\n");
     let scripts = format!("{libraries}\n(() => {{\n'use strict';\n{}\n}})();", scripts.join("\n"));
     // No text of a scene may end the element that it stands in.
     let start = start.to_string().replace('<', "\\u003c");
