@@ -100,7 +100,7 @@ def scale(name, values):
 def by_program(program, scene, rounding, names):
     """These variables of the results file, by name; without an audit, which a page has none of either."""
     file = scene.with_suffix(".h5")
-    command = [program, "run", scene, "-q", "--backend", "cpu", "--precision", "f64", "--audit", "0", "--overwrite", "-o", file]
+    command = [program, "run", scene, "-q", "--backend", "cpu", "--precision", "f64", "--no-audit", "--overwrite", "-o", file]
     subprocess.run(command, check=True, env={**os.environ, "AFMSWEEP_ROUNDING": rounding})
     with h5py.File(file) as results:
         return {name: results[name][...].ravel() for name in names}
