@@ -166,9 +166,10 @@ function bytesOf(id) {
 async function startEngines() {
   if (typeof WebAssembly !== 'object') throw new Error('This browser has no WebAssembly.');
   if (!WebAssembly.validate(SIMD_MODULE)) throw new Error("This browser's WebAssembly has no SIMD instructions.");
-  engineModule = await WebAssembly.compile(fzstd.decompress(bytesOf('engine')));
-  const code = document.getElementById('worker')?.textContent ?? '';
-  workerUrl = URL.createObjectURL(new Blob([code], { type: 'text/javascript' }));
+  const code = /** @type {Uint8Array<ArrayBuffer>} */ (fzstd.decompress(bytesOf('engine')));
+  engineModule = await WebAssembly.compile(code);
+  const script = document.getElementById('worker')?.textContent ?? '';
+  workerUrl = URL.createObjectURL(new Blob([script], { type: 'text/javascript' }));
   engineCount = Math.max(2, Math.min(4, navigator.hardwareConcurrency || 2));
   fillEngines(engineCount);
   setTimeout(() => fillEngines(engineCount + SPARE_ENGINES), 3 * SPARE_AFTER);
