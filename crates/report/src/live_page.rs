@@ -51,12 +51,12 @@ pub(super) const WORKER: &str = page_file!("worker.js");
 /// A page of one file: the frame with the style, the scripts, what it starts with and other parts in the places of their marks.
 pub(super) fn assembled(frame: &str, scripts: &[&str], start: &Value, more: &[(&str, String)]) -> String {
     let style = [page_file!("page.css"), page_file!("vendor/uplot/uPlot.min.css")].concat();
-    // Their licences ask to travel with them.
+    // Their licences ask to travel with them. A semicolon ends the last statement of each.
     let libraries = [
         (page_file!("vendor/uplot/LICENSE"), page_file!("vendor/uplot/uPlot.iife.min.js")),
         (page_file!("vendor/fzstd/LICENSE"), page_file!("vendor/fzstd/fzstd.umd.min.js")),
     ]
-    .map(|(licence, script)| format!("/*\n{licence}*/\n{script}"))
+    .map(|(licence, script)| format!("/*\n{licence}*/\n{script};"))
     .join("\n");
     let scripts = format!("{libraries}\n(() => {{\n'use strict';\n{}\n}})();", scripts.join("\n"));
     // No text of a scene may end the element that it stands in.
