@@ -17,6 +17,6 @@ command -v zstd >/dev/null || { can_install && install_packages zstd; } || {
 cargo rustc -p afmsweep-web --lib --target "$target" --profile web --crate-type cdylib
 built=${CARGO_TARGET_DIR:-target}/$target/web/afmsweep_web.wasm
 mkdir -p target/web
-# Its code repeats itself over more than the 32 KiB that gzip looks back: so packed it is two thirds of gzip's size.
+# Its code repeats itself over more than the 32 KiB that gzip looks back: so packed it is three quarters of gzip's size.
 zstd --ultra -22 -q -f "$built" -o target/web/engine.wasm.zst
 echo "target/web/engine.wasm.zst: $(wc -c < target/web/engine.wasm.zst) bytes"

@@ -124,7 +124,7 @@ pub(crate) fn with_single<S: WithLanes<f32>>(rounding: Rounding, what: S) -> S::
         Some(Instructions::Avx2) => what.with::<(Pair<Ymm32>, Pair<Ymm32>)>(),
         #[cfg(target_arch = "aarch64")]
         Some(Instructions::Neon) => what.with::<(Pack<f32, 16, true>, Pack<f32, 16, true>)>(),
-        // In a web page too: it computes in f64, and lanes of f32 would be a twentieth of its packed engine.
+        // In a web page too: it computes in f64, and lanes of f32 would only lengthen its engine.
         None => what.with::<(f32, f32)>(),
     }
 }
