@@ -92,8 +92,7 @@ pub(super) fn run(
 
 /// Whether the sample's states are searched for one by one.
 fn searches(sample: &Plan) -> bool {
-    let led = sample.ensemble.curves.is_some() || sample.has_setpoints();
-    sample.run.steady == Steady::Search && sample.run.start == Start::Steady && !led
+    sample.run.steady == Steady::Search && sample.run.start == Start::Steady
 }
 
 /// Runs the sample with the richest basis. Searches start with a quarter of the steps, if necessary from other members'
