@@ -1,6 +1,6 @@
 //! Assigns each instance its drive, with the basis, and its steps.
 
-use super::contact_rate::RungCache;
+use super::contact_rate::{Rung, RungCache};
 use super::interning::Interned;
 use super::{Driven, Ensemble, InstanceId, ReducedBasis, steps};
 use crate::contact::Contact;
@@ -52,7 +52,7 @@ pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Drive
     in_stretches(ensemble, |tip, id, contact| {
         let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
         let driven = &known[own as usize];
-        let rung = if told { 0 } else { tip.rung((own, driven), contact, gap) };
+        let rung = if told { Rung::default() } else { tip.rung((own, driven), contact, gap) };
         ((own, rung), steps_of((run, led), (contact, gap), driven))
     })
     .for_each(|some| some.into_iter().for_each(|one| usual.push(one)));
@@ -73,7 +73,7 @@ pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Drive
 }
 
 /// A drive and the rung of a contact.
-type Key = (u32, u32);
+type Key = (u32, Rung);
 
 /// Makes bases for contacts that are too fast for the modes with the largest shares, one per drive and rung. Adds them to
 /// `drives` and returns their numbers.

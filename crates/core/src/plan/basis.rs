@@ -11,7 +11,8 @@
 //! chooses the oscillators: the modes that ring on between contacts, and for the rest a rational Krylov reduction of what the
 //! tip feels of it (`compliance.rs`).
 
-use super::compliance::{compliance, reduced};
+use super::compliance::{MAX_RATE_RATIO, compliance, reduced};
+use super::mass_scaling::scale_mass;
 use super::oscillator::KeptMode;
 use super::resonant_modes::{is_head_on, resonant_modes};
 use super::ringing::{
@@ -26,8 +27,9 @@ pub enum BasisRule {
     /// Modes in the order of their share of the tip's flexibility until the remainder suits this accuracy, and one residual
     /// oscillator.
     Shares { accuracy: f64 },
-    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s.
-    Contact { rate: f64, count: usize },
+    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s. For an `elastic` contact, those that are far
+    /// faster are slowed.
+    Contact { rate: f64, count: usize, elastic: bool },
 }
 
 /// Bases of more modes than for this share of the requested accuracy are not tried; the contact's rate chooses oscillators
@@ -36,10 +38,6 @@ pub(crate) const RICHEST_ACCURACY_SHARE: f64 = 0.1;
 
 /// Numbers of oscillators that the rate of a contact may choose.
 pub(super) const OSCILLATOR_COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
-
-/// The compliance of modes chosen by share is checked up to this many times the contact's rate: onset and end of a contact are
-/// faster than its middle.
-const MAX_RATE_RATIO: f64 = 4.0;
 
 /// Allowed error of the compliance at the contact's rate, as a share of the accuracy; the bound is wider beyond that rate, see
 /// [`ReducedBasis::wrong`]. Below the accuracy `COARSE_ACCURACY` the share falls with the accuracy's square root: without that
@@ -61,22 +59,24 @@ impl BasisRule {
     pub fn key(&self) -> [u64; 2] {
         match self {
             Self::Shares { accuracy } => [accuracy.to_bits(), 0],
-            Self::Contact { rate, count } => [rate.to_bits(), *count as u64],
+            Self::Contact { rate, count, elastic } => {
+                [rate.to_bits(), (*count as u64) << 1 | u64::from(*elastic)]
+            }
         }
     }
 
     /// The next rule with fewer oscillators, if the contact's rate chose this one.
     pub fn poorer(&self) -> Option<Self> {
-        let Self::Contact { rate, count } = *self else { return None };
+        let Self::Contact { rate, count, elastic } = *self else { return None };
         let fewer = OSCILLATOR_COUNTS.into_iter().rev().find(|other| *other < count).unwrap_or(count - 1);
-        Some(Self::Contact { rate, count: fewer })
+        Some(Self::Contact { rate, count: fewer, elastic })
     }
 
     /// The next rule with more oscillators, likewise.
     pub fn richer(&self) -> Option<Self> {
-        let Self::Contact { rate, count } = *self else { return None };
+        let Self::Contact { rate, count, elastic } = *self else { return None };
         let more = OSCILLATOR_COUNTS.into_iter().find(|other| *other > count)?;
-        Some(Self::Contact { rate, count: more })
+        Some(Self::Contact { rate, count: more, elastic })
     }
 }
 
@@ -106,17 +106,17 @@ fn fastest_stepped(omega: f64, steps: f64) -> f64 {
     omega * steps * ANGLE_MAX / std::f64::consts::TAU
 }
 
-/// Slows oscillators faster than `ceiling` (rad/s) to it by more mass and returns how many they are. Their flexibility stays,
-/// so that a contact, which is slower, feels the same spring (selective mass scaling: Olovsson, Simonsson & Unosson, Int. J.
-/// Numer. Meth. Engng 63, 2005, 1436).
-fn scale_mass(modes: &mut [KeptMode], ceiling: f64) -> usize {
-    let faster = modes.iter_mut().filter(|mode| mode.omega > ceiling);
-    faster
-        .map(|mode| {
-            mode.inverse_mass *= (ceiling / mode.omega).powi(2);
-            mode.omega = ceiling;
-        })
-        .count()
+/// Tells of a basis of so many of the lever's modes and other oscillators for contacts of the rate `rate` (rad/s), and how many of
+/// them are slowed to which frequency (rad/s).
+fn reduction_reason(exact: usize, made: usize, rate: f64, slowed: Option<(usize, f64)>) -> String {
+    let megahertz = |omega: f64| omega / std::f64::consts::TAU / 1e6;
+    let plural = if exact == 1 { "" } else { "s" };
+    let told =
+        format!("{exact} mode{plural} and {made} oscillators for contacts of {:.4} MHz", megahertz(rate));
+    match slowed {
+        None => told,
+        Some((count, ceiling)) => format!("{told}, {count} slowed to {:.4} MHz", megahertz(ceiling)),
+    }
 }
 
 impl ReducedBasis {
@@ -197,9 +197,14 @@ impl ReducedBasis {
 
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
     /// modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others.
-    /// What is too fast for the most steps there are is slowed. `None` if there are too few modes to reduce, or a mode answers
-    /// against the force.
-    pub fn for_contact(instrument: &Instrument, omega: f64, rate: f64, count: usize) -> Option<Self> {
+    /// What is far faster than an `elastic` contact is slowed as far as `accuracy` allows; the onset of another moves
+    /// oscillators far above its rate. `None` if there are too few modes to reduce, or a mode answers against the force.
+    pub fn for_contact(
+        instrument: &Instrument,
+        omega: f64,
+        (rate, count, elastic): (f64, usize, bool),
+        accuracy: f64,
+    ) -> Option<Self> {
         let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
         // The slowest lever mode and all above it. Slower modes of a rod, each a share of 1e-4 or less, are no spring at the
@@ -224,26 +229,23 @@ impl ReducedBasis {
             let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
-        // Half of what can be stepped: such oscillators need twice the steps.
-        let ceiling = 0.5 * fastest_stepped(omega, f64::from(STEPS_MAX));
-        let slowed = if all { 0 } else { scale_mass(&mut modes, ceiling) };
+        let slowed = match all {
+            true => None,
+            // Half of what can be stepped: such oscillators need twice the steps.
+            false => scale_mass(
+                &mut modes,
+                exact.len(),
+                (rate, if elastic { accuracy } else { 0.0 }),
+                0.5 * fastest_stepped(omega, f64::from(STEPS_MAX)),
+            ),
+        };
         let left =
             1.0 - modes.iter().map(|mode| mode.inverse_mass / mode.omega.powi(2)).sum::<f64>() / flexibility;
         let reason = match all {
             true => format!("all {} modes that move the tip", exact.len()),
-            false => format!(
-                "{} mode{} and {} oscillators for contacts of {:.4} MHz",
-                exact.len(),
-                if exact.len() == 1 { "" } else { "s" },
-                count - exact.len(),
-                rate / std::f64::consts::TAU / 1e6
-            ),
+            false => reduction_reason(exact.len(), count - exact.len(), rate, slowed),
         };
-        let reason = match slowed {
-            0 => reason,
-            _ => format!("{reason}, {slowed} slowed to {:.4} MHz", ceiling / std::f64::consts::TAU / 1e6),
-        };
-        let rule = BasisRule::Contact { rate, count };
+        let rule = BasisRule::Contact { rate, count, elastic };
         Some(Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason })
     }
 

@@ -11,6 +11,10 @@ use super::oscillator::KeptMode;
 use crate::instrument::Mode;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+/// The compliance of oscillators is checked up to this many times the contact's rate: onset and end of a contact are faster than
+/// its middle.
+pub(super) const MAX_RATE_RATIO: f64 = 4.0;
+
 /// Travel of the tip per force on it that changes at the rate `s` (rad/s), m/N. `oscillators` gives the frequency (rad/s) and
 /// inverse mass (1/kg) of each.
 pub fn compliance(oscillators: impl Iterator<Item = (f64, f64)>, s: f64) -> f64 {

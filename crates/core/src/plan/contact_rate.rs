@@ -48,6 +48,15 @@ pub(super) fn contact_rate(
     rate * (MAX_VISCOUS_ONSET - 1.0).mul_add(viscous, 1.0)
 }
 
+/// What contacts that share a basis have in common.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Rung {
+    /// Their rates are at most 2 to this power times the drive's angular frequency.
+    pub power: u32,
+    /// Whether the sample neither loses energy nor relaxes.
+    pub elastic: bool,
+}
+
 /// Data of a drive for [`Driven::rung`] of very many contacts: the numbers of [`compliance`] side by side, so that their
 /// quotients are computed together.
 pub(super) struct Tip<'a> {
@@ -83,10 +92,10 @@ impl<'a> Tip<'a> {
     }
 
     /// [`Driven::rung`], to the bit.
-    pub fn rung(&mut self, contact: &Contact, gap: f64) -> u32 {
+    pub fn rung(&mut self, contact: &Contact, gap: f64) -> Rung {
         let driven = self.driven;
         let free = (driven.free.omega, driven.free_amplitude(), gap);
-        driven.rung_of(contact_rate(contact, free, |s| self.answer(s)))
+        driven.rung_of(contact, contact_rate(contact, free, |s| self.answer(s)))
     }
 }
 
@@ -96,7 +105,7 @@ pub(super) struct RungCache<'a>(Option<(u32, Tip<'a>)>);
 
 impl<'a> RungCache<'a> {
     /// [`Driven::rung`] of a contact of this drive.
-    pub fn rung(&mut self, (number, driven): (u32, &'a Driven), contact: &Contact, gap: f64) -> u32 {
+    pub fn rung(&mut self, (number, driven): (u32, &'a Driven), contact: &Contact, gap: f64) -> Rung {
         if self.0.as_ref().is_none_or(|(last, _)| *last != number) {
             self.0 = None;
         }
@@ -105,15 +114,15 @@ impl<'a> RungCache<'a> {
 }
 
 impl Driven {
-    /// The rung of an instance's contact rate, which is at most 2 to this power times the drive's angular frequency. Rungs let
-    /// neighbours share a basis.
-    pub(super) fn rung(&self, contact: &Contact, gap: f64) -> u32 {
-        self.rung_of(self.contact_rate(contact, gap))
+    /// The rung of an instance's contact.
+    pub(super) fn rung(&self, contact: &Contact, gap: f64) -> Rung {
+        self.rung_of(contact, self.contact_rate(contact, gap))
     }
 
-    /// The rung of a rate, rad/s.
-    fn rung_of(&self, rate: f64) -> u32 {
-        (rate / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32
+    /// The rung of a contact of this rate, rad/s.
+    fn rung_of(&self, contact: &Contact, rate: f64) -> Rung {
+        let power = (rate / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32;
+        Rung { power, elastic: contact.retardation == 0.0 }
     }
 
     /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about four
@@ -125,38 +134,40 @@ impl Driven {
     }
 
     /// The contact rate of a rung, rad/s.
-    fn rate(&self, rung: u32) -> f64 {
-        self.free.omega * f64::from(rung).exp2()
+    fn rate(&self, rung: Rung) -> f64 {
+        self.free.omega * f64::from(rung.power).exp2()
     }
 
     /// The basis for contacts of a rung, if the modes with the largest shares do not suffice, up to as many as `shares` makes
     /// for [`RICHEST_ACCURACY_SHARE`] of the accuracy.
     pub(super) fn for_rung(
         &self,
-        rung: u32,
+        rung: Rung,
         accuracy: f64,
         shares: impl FnOnce(f64) -> ReducedBasis,
     ) -> Option<Arc<ReducedBasis>> {
         let (instrument, rate) = (&self.instrument, self.rate(rung));
         let serves = |kept: &ReducedBasis| kept.serves(instrument, self.free.omega, rate, accuracy);
-        if rung == 0 || serves(&self.kept) || serves(&shares(RICHEST_ACCURACY_SHARE * accuracy)) {
+        if rung.power == 0 || serves(&self.kept) || serves(&shares(RICHEST_ACCURACY_SHARE * accuracy)) {
             return None;
         }
         let count = ReducedBasis::oscillators(instrument, self.free.omega, rate, accuracy);
-        self.for_contacts(rung, |kept| kept.modes.len() >= count)
+        self.for_contacts(rung, accuracy, |kept| kept.modes.len() >= count)
     }
 
     /// The smallest basis for contacts of the rung that is `good`, or else the largest one; `None` if a mode answers against
     /// the force.
     pub(super) fn for_contacts(
         &self,
-        rung: u32,
+        rung: Rung,
+        accuracy: f64,
         good: impl Fn(&ReducedBasis) -> bool,
     ) -> Option<Arc<ReducedBasis>> {
         let mut richest = None;
         // The first number is only compared with the next.
         for count in OSCILLATOR_COUNTS.into_iter().skip(1) {
-            let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, self.rate(rung), count);
+            let wanted = (self.rate(rung), count, rung.elastic);
+            let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, wanted, accuracy);
             let enough = kept.as_ref().is_some_and(&good);
             richest = kept.or(richest);
             if enough {
@@ -170,13 +181,15 @@ impl Driven {
     pub(super) fn reduced_by(
         &self,
         rule: BasisRule,
+        accuracy: f64,
         shares: impl FnOnce(f64) -> ReducedBasis,
     ) -> Arc<ReducedBasis> {
         match rule {
             _ if rule == self.kept.rule => Arc::clone(&self.kept),
-            BasisRule::Shares { accuracy } => Arc::new(shares(accuracy)),
-            BasisRule::Contact { rate, count } => {
-                ReducedBasis::for_contact(&self.instrument, self.free.omega, rate, count)
+            BasisRule::Shares { accuracy: own } => Arc::new(shares(own)),
+            BasisRule::Contact { rate, count, elastic } => {
+                let wanted = (rate, count, elastic);
+                ReducedBasis::for_contact(&self.instrument, self.free.omega, wanted, accuracy)
                     .map_or_else(|| Arc::clone(&self.kept), Arc::new)
             }
         }

@@ -1,5 +1,6 @@
 //! Plans derived from others of the same ensemble: some instances, other steps, other bases.
 
+use super::contact_rate::Rung;
 use super::rebasing::{notch, reduced_by, richer_than};
 use super::resolution::{Ids, InstanceResolution, InstanceResolutions};
 use super::{BasisRule, Driven, InstanceId, Plan, Precision, ReducedBasis, StartState, steps};
@@ -115,7 +116,7 @@ impl Plan {
 
     /// These instances: first those for which a larger basis exists, then the others.
     pub fn can_be_richer(&self, instances: Vec<u32>) -> (Vec<u32>, Vec<u32>) {
-        let mut known: HashMap<(u32, u32), bool> = HashMap::new();
+        let mut known: HashMap<(u32, Rung), bool> = HashMap::new();
         instances.into_iter().partition(|i| {
             let (case, driven) = (self.case(*i), self.driven(*i));
             let rung = driven.rung(&case.contact, case.gap);
@@ -126,7 +127,7 @@ impl Plan {
     /// Uses the next larger basis of each instance, and at least half the steps that this basis safely needs.
     #[must_use]
     pub fn with_richer_bases(mut self) -> Self {
-        let mut made: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut made: HashMap<(u32, Rung), u32> = HashMap::new();
         for i in self.instances() {
             let case = self.case(i);
             let driven = self.driven(i).clone();
@@ -154,7 +155,7 @@ impl Plan {
     pub fn contact_basis_rule(&self, instance: u32) -> Option<BasisRule> {
         let (case, driven) = (self.case(instance), self.driven(instance));
         let rung = driven.rung(&case.contact, case.gap);
-        Some(richer_than(driven, rung, driven.kept.modes.len())?.rule)
+        Some(richer_than(driven, rung, driven.kept.modes.len(), self.run.accuracy)?.rule)
     }
 
     /// Uses these gaps, one for each instance (m).

@@ -1,6 +1,7 @@
 //! A plan's instances with other bases.
 
 use super::assignment::shares;
+use super::contact_rate::Rung;
 use super::{BasisRule, Case, Driven, Plan, ReducedBasis, steps};
 use crate::scene::Run;
 use std::collections::HashMap;
@@ -107,7 +108,7 @@ const NOTCH_ACCURACY_RATIO: f64 = 0.25;
 const MAX_NOTCHES: usize = 8;
 
 /// The next larger basis for contacts of this rung; `None` if no larger one can be stepped, or the basis is prescribed.
-pub(super) fn notch(driven: &Driven, rung: u32, run: &Run) -> Option<Arc<ReducedBasis>> {
+pub(super) fn notch(driven: &Driven, rung: Rung, run: &Run) -> Option<Arc<ReducedBasis>> {
     if run.modes.is_some() {
         return None;
     }
@@ -121,19 +122,26 @@ pub(super) fn notch(driven: &Driven, rung: u32, run: &Run) -> Option<Arc<Reduced
             let mut bases =
                 accuracies.map(|accuracy| reduced_by(driven, BasisRule::Shares { accuracy }, run));
             let found = bases.find(|basis| basis.modes != driven.kept.modes);
-            found.or_else(|| richer_than(driven, rung, driven.kept.modes.len()))
+            found.or_else(|| richer_than(driven, rung, driven.kept.modes.len(), run.accuracy))
         }
     }
 }
 
 /// The smallest basis for contacts of this rung with more than `modes` oscillators.
-pub(super) fn richer_than(driven: &Driven, rung: u32, modes: usize) -> Option<Arc<ReducedBasis>> {
-    driven.for_contacts(rung, |kept| kept.modes.len() > modes).filter(|kept| kept.modes.len() > modes)
+pub(super) fn richer_than(
+    driven: &Driven,
+    rung: Rung,
+    modes: usize,
+    accuracy: f64,
+) -> Option<Arc<ReducedBasis>> {
+    driven
+        .for_contacts(rung, accuracy, |kept| kept.modes.len() > modes)
+        .filter(|kept| kept.modes.len() > modes)
 }
 
 /// The basis that a rule asks for.
 pub(super) fn reduced_by(driven: &Driven, rule: BasisRule, run: &Run) -> Arc<ReducedBasis> {
-    driven.reduced_by(rule, |accuracy| shares(driven, accuracy, run))
+    driven.reduced_by(rule, run.accuracy, |accuracy| shares(driven, accuracy, run))
 }
 
 /// The number of steps that the rule gives for a case with its basis.
