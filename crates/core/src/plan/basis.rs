@@ -106,8 +106,8 @@ fn fastest_stepped(omega: f64, steps: f64) -> f64 {
     omega * steps * ANGLE_MAX / std::f64::consts::TAU
 }
 
-/// Tells of a basis of so many of the lever's modes and other oscillators for contacts of the rate `rate` (rad/s), and how many of
-/// them are slowed to which frequency (rad/s).
+/// Describes a basis for contacts of the rate `rate` (rad/s): the number of exact modes, that of the oscillators made, and how
+/// many of them are slowed to which frequency (rad/s).
 fn reduction_reason(exact: usize, made: usize, rate: f64, slowed: Option<(usize, f64)>) -> String {
     let megahertz = |omega: f64| omega / std::f64::consts::TAU / 1e6;
     let plural = if exact == 1 { "" } else { "s" };

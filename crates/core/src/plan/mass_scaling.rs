@@ -7,7 +7,8 @@
 use super::compliance::{MAX_RATE_RATIO, compliance};
 use super::oscillator::KeptMode;
 
-/// Slowing oscillators may change the compliance by this share of the accuracy. With a tenth, JKR's largest force on a lever of
+/// Slowing oscillators may change the compliance by this share of the accuracy at the contact's rate, and by the square of
+/// `MAX_RATE_RATIO` times as much at that multiple of it. With a tenth, JKR's largest force on a lever of
 /// 1 N/m is estimated five times too well (tests/all/hard_cases.rs).
 const SLOWED_SHARE: f64 = 0.04;
 /// Halvings in search of the lowest ceiling, to a thousandth for oscillators of a hundred times the contact's rate.

@@ -249,7 +249,8 @@ mod tests {
         let mut station = SectionState::FREE;
         (station.x[1], station.u[23]) = (number(), number());
         let spectrum = Floquet { multiplier: number(), sigma_min: number() };
-        let rule = BasisRule::Contact { rate: number(), count: 7, elastic: true };
+        let rate = number();
+        let rule = BasisRule::Contact { rate, count: 7, elastic: draw(state).is_multiple_of(2) };
         let place = CompactOrbit::new(&station, spectrum, 64, rule);
         let finished = Finished { measured, status: Status::ALL[draw(state) as usize % 8] };
         InstanceRecord {
