@@ -91,7 +91,7 @@ fn integrated_start_from_rest() {
                         (mode.drive * m.level, 0.0)
                     };
                     let whole = integrated(mode, m.omega, push, kick, t);
-                    let steady = m.modes[k] * nalgebra::Complex::from_polar(1.0, m.omega * t);
+                    let steady = m.mode(k) * nalgebra::Complex::from_polar(1.0, m.omega * t);
                     z += mode.tip * (whole[0] - steady.im);
                     rate += mode.tip * (whole[1] - m.omega * steady.re);
                     size += mode.tip.abs() * (whole[0].abs() + steady.norm());
@@ -216,7 +216,7 @@ fn free_amplitude_is_met() {
         };
         let again = i.free_motion(level, 180e3).unwrap();
         close(again.tip.norm(), 20e-9, 1e-14, "the level found");
-        assert_eq!(again.transient.len(), i.modes.len());
+        assert_eq!(again.unit_modes.len(), i.modes.len());
     }
 }
 

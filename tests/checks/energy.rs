@@ -72,11 +72,11 @@ pub fn balance(plan: &Plan, instance: usize) -> Balance {
     let mut sum = Balance { drive: 0.0, modes: 0.0, taken: 0.0, excited: 0.0 };
     for (m, amplitude) in force.iter().enumerate().skip(1) {
         let drive = m as f64 * omega;
-        for (mode, steady) in instrument.modes.iter().zip(&free.modes) {
+        for (k, mode) in instrument.modes.iter().enumerate() {
             let loss = mode.omega / mode.quality_factor;
             let stiffness = (mode.omega - drive) * (mode.omega + drive);
             let excited = amplitude * mode.force / Complex::new(stiffness, drive * loss);
-            let whole = if m == 1 { excited + steady } else { excited };
+            let whole = if m == 1 { excited + free.mode(k) } else { excited };
             let lost = |z: Complex<f64>| 0.5 * loss * drive * drive * z.norm_sqr() * TAU / omega;
             sum.modes += lost(whole);
             sum.excited += lost(excited);
@@ -101,6 +101,6 @@ pub fn balance(plan: &Plan, instance: usize) -> Balance {
 pub fn free_work(driven: &Driven) -> f64 {
     let (free, instrument) = (&driven.free, &driven.instrument);
     let per_level = if instrument.moving_base { -free.omega * free.omega } else { 1.0 };
-    let modes = instrument.modes.iter().zip(&free.modes);
-    -PI * free.level * per_level * modes.map(|(mode, z)| mode.drive * z.im).sum::<f64>()
+    let modes = instrument.modes.iter().enumerate();
+    -PI * free.level * per_level * modes.map(|(k, mode)| mode.drive * free.mode(k).im).sum::<f64>()
 }

@@ -252,8 +252,12 @@ pub fn twin(plan: &Plan, instance: usize, what: Twin) -> (System, State, f64) {
         if instrument.moving_base { (free.level, -free.omega * free.omega) } else { (0.0, 1.0) };
     let rest = plan.run.start == Start::Rest;
     let shares: Vec<f64> = instrument.tip_shares();
-    let free_shares: Vec<f64> =
-        instrument.modes.iter().zip(&free.modes).map(|(m, z)| (z * m.tip).norm() / free.tip.norm()).collect();
+    let free_shares: Vec<f64> = instrument
+        .modes
+        .iter()
+        .enumerate()
+        .map(|(k, m)| (free.mode(k) * m.tip).norm() / free.tip.norm())
+        .collect();
     let seen = |k: usize| shares[k] > bounds::UNSEEN || free_shares[k] > bounds::UNSEEN;
     let kept: Vec<usize> = (0..instrument.modes.len()).filter(|&k| seen(k)).collect();
     let modes = kept.iter().map(|&k| {

@@ -74,6 +74,7 @@ fn agrees(modes: usize, precision: Precision) -> Result<(), Failed> {
             let mut free = gpu();
             free.strict = false;
             let ours = on(&free, &plan).results;
+            let scaled = checks::plan_in(&steady(&scene), None, precision);
             for (i, (ours, theirs)) in ours.iter().zip(&cpu(&plan)).enumerate() {
                 let settling = [Status::Ok, Status::NotSteady];
                 let near = settling.contains(&ours.status) && settling.contains(&theirs.status);
@@ -82,7 +83,7 @@ fn agrees(modes: usize, precision: Precision) -> Result<(), Failed> {
                     continue;
                 }
                 let truth = checks::outcome(&theirs.measured);
-                let scales = checks::scales(&checks::plan_in(&steady(&scene), None, precision), i, &truth);
+                let scales = checks::scales(&scaled, i, &truth);
                 let errors = checks::errors(&ours.measured, &truth, &scales);
                 let (which, error) = worst(&errors);
                 worst_seen = f64::max(worst_seen, error);

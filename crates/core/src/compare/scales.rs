@@ -79,8 +79,8 @@ fn drive_work(driven: &Driven, tip: Complex<f64>) -> f64 {
     let force = (tip - free.tip) / moves;
     // A drive through the base counts by its acceleration, -omega^2 level.
     let per_level = if instrument.moving_base { -omega * omega } else { 1.0 };
-    let moved: f64 = (instrument.modes.iter().zip(&free.modes).zip(&response))
-        .map(|((mode, steady), response)| mode.drive * (steady + response * force).im)
+    let moved: f64 = (instrument.modes.iter().zip(&response).enumerate())
+        .map(|(k, (mode, response))| mode.drive * (free.mode(k) + response * force).im)
         .sum();
     let through_base = if instrument.moving_base { force.im } else { 0.0 };
     -PI * free.level * (per_level * moved + through_base)

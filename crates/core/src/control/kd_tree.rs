@@ -28,22 +28,29 @@ impl KdTree {
         Self { dimensions, points, coordinates, along }
     }
 
-    /// The points at these depths. The root has depth 0.
+    /// The points at these depths, those that lie together one after the other. The root has depth 0.
     pub fn at(&self, depths: std::ops::Range<u32>) -> Vec<u32> {
         let mut all = Vec::new();
-        let mut below = vec![(0, self.points.len(), 0)];
-        while let Some((from, to, depth)) = below.pop() {
-            if from >= to || depth >= depths.end {
-                continue;
-            }
-            let middle = from.midpoint(to);
-            if depths.contains(&depth) {
-                all.push(self.points[middle]);
-            }
-            below.extend([(from, middle, depth + 1), (middle + 1, to, depth + 1)]);
-        }
-        all.sort_unstable();
+        self.walk((0, self.points.len(), 0), &depths, &mut all);
         all
+    }
+
+    /// Adds the points of a stretch at these depths from left to right.
+    fn walk(
+        &self,
+        (from, to, depth): (usize, usize, u32),
+        depths: &std::ops::Range<u32>,
+        all: &mut Vec<u32>,
+    ) {
+        if from >= to || depth >= depths.end {
+            return;
+        }
+        let middle = from.midpoint(to);
+        self.walk((from, middle, depth + 1), depths, all);
+        if depths.contains(&depth) {
+            all.push(self.points[middle]);
+        }
+        self.walk((middle + 1, to, depth + 1), depths, all);
     }
 
     /// Number of depths.
@@ -52,10 +59,11 @@ impl KdTree {
     }
 
     /// The `count` points above a depth that are nearest to these coordinates, nearest first. Of equal distances the lower
-    /// number comes first.
-    pub fn nearest(&self, to: &[f64], above: u32, count: usize) -> Vec<NearPoint> {
-        let mut search =
-            KdSearch { to, above, count, best: Vec::with_capacity(count + 1), off: vec![0.0; to.len()] };
+    /// number comes first. With a `ratio` above 1 they may be so many times as far as the nearest ones, and the search looks at
+    /// fewer points (Arya et al. 1998, <https://doi.org/10.1145/293347.293348>).
+    pub fn nearest(&self, to: &[f64], above: u32, count: usize, ratio: f64) -> Vec<NearPoint> {
+        let (best, off) = (Vec::with_capacity(count + 1), vec![0.0; to.len()]);
+        let mut search = KdSearch { to, above, count, slack: ratio * ratio, best, off };
         search.through(self, (0, self.points.len(), 0), 0.0);
         search.best
     }
@@ -92,6 +100,8 @@ struct KdSearch<'a> {
     to: &'a [f64],
     above: u32,
     count: usize,
+    /// Square of the ratio by which a point may be farther than one that is left out.
+    slack: f64,
     best: Vec<NearPoint>,
     /// Distance from the stretch to the target along each dimension.
     off: Vec<f64>,
@@ -101,7 +111,10 @@ impl KdSearch<'_> {
     /// Searches a stretch of the tree. `far` is the square of its distance.
     fn through(&mut self, tree: &KdTree, (from, to, depth): (usize, usize, u32), far: f64) {
         let full = self.best.len() == self.count;
-        if from >= to || depth >= self.above || full && self.best.last().is_some_and(|last| far > last.1) {
+        if from >= to
+            || depth >= self.above
+            || full && self.best.last().is_some_and(|last| far * self.slack > last.1)
+        {
             return;
         }
         let middle = from.midpoint(to);
@@ -166,7 +179,11 @@ mod tests {
                 let mut sorted: Vec<NearPoint> = there.iter().map(|point| (*point, square(*point))).collect();
                 sorted.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
                 sorted.truncate(12);
-                assert_eq!(tree.nearest(&to, above, 12), sorted, "{dimensions}, above {above}");
+                assert_eq!(tree.nearest(&to, above, 12, 1.0), sorted, "{dimensions}, above {above}");
+                let near = tree.nearest(&to, above, 12, 2.0);
+                assert_eq!(near.len(), sorted.len());
+                let within = |(one, exact): (&NearPoint, &NearPoint)| one.1 <= 4.0 * exact.1;
+                assert!(near.iter().zip(&sorted).all(within), "{near:?} {sorted:?}");
             }
         }
     }

@@ -123,7 +123,7 @@ pub(super) fn begin(member: Member, start: Start) -> InstanceCheckpoint {
 fn decayed((plan, driven): Member, k: usize) -> [f64; 2] {
     let Some(mode) = driven.kept.modes.get(k) else { return [0.0; 2] };
     let Some(index) = mode.index else { return [0.0; 2] };
-    let [q, rate] = driven.free.transient[index];
+    let [q, rate] = driven.free.transient(&driven.instrument, index);
     let tip = driven.instrument.modes[index].tip / LENGTH;
     let (x, u) = (tip * q, tip * rate / mode.omega);
     let half = 0.5 * step_length(driven, plan.steps);

@@ -95,7 +95,7 @@ pub(super) fn section_angle(driven: &Driven, steps: u32) -> f64 {
 /// angular frequency.
 fn modal_phasor(driven: &Driven, mode: &KeptMode, angle: f64) -> Complex<f64> {
     let Some(index) = mode.index else { return Complex::ZERO };
-    driven.free.modes[index] * Complex::from_polar(1.0, angle) * driven.instrument.modes[index].tip
+    driven.free.mode(index) * Complex::from_polar(1.0, angle) * driven.instrument.modes[index].tip
 }
 
 #[cfg(test)]

@@ -159,7 +159,7 @@ pub(super) fn rest_state(plan: &Plan, instance: u32) -> SectionState {
     let mut station = SectionState::FREE;
     for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
         let Some(index) = mode.index else { continue };
-        let swing = free.modes[index] * turn * driven.instrument.modes[index].tip;
+        let swing = free.mode(index) * turn * driven.instrument.modes[index].tip;
         (station.x[k], station.u[k]) = (-swing.im, -swing.re * free.omega / mode.omega);
     }
     let travel = free.amplitude * (PI / f64::from(case.steps)).cos() + station.x.iter().sum::<f64>();

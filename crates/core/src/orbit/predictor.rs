@@ -56,7 +56,7 @@ impl Stencil<'_> {
         if jumps || !(self.own_state.is_some() || self.scattered || apart <= MAX_SPREAD) {
             return None;
         }
-        turns.sum_resolvents(&self.neighbours);
+        turns.sum_resolvents(meets, &self.neighbours);
         turns.prediction.touching = first.touching;
         Some(&turns.prediction)
     }

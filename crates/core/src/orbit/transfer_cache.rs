@@ -4,7 +4,7 @@ use super::jacobian::resolvent_of;
 use super::period_map::{BasisTransfer, free_monodromy};
 use super::stencil::{SolvedNeighbour, StencilPoint};
 use crate::periodic::{Memory, Size};
-use crate::plan::{Drive, Driven, Plan, ReducedBasis};
+use crate::plan::{Driven, Plan, ReducedBasis};
 use nalgebra::{DefaultAllocator, DimName, OMatrix, OVector};
 use std::sync::Arc;
 
@@ -50,17 +50,18 @@ where
 {
     source: (Arc<ReducedBasis>, u32),
     target: (Arc<ReducedBasis>, u32),
-    drive: Arc<Drive>,
+    /// Angular frequency of the drive, rad/s.
+    omega: f64,
     transfer: BasisTransfer,
-    /// (I - J)^-1 of the free lever.
-    free_resolvent: OMatrix<f64, D, D>,
+    /// (I - J)^-1 of the free lever, made when a resolvent is transferred.
+    free_resolvent: Option<OMatrix<f64, D, D>>,
 }
 
 /// A pair by the address of its levers; `None` if the state needs no transfer.
 struct TransferLookup {
     source: (Arc<ReducedBasis>, u32),
     target: (Arc<ReducedBasis>, u32),
-    drive: Arc<Drive>,
+    omega: f64,
     transfer: Option<usize>,
 }
 
@@ -121,7 +122,7 @@ where
             (one.source.1, one.target.1) == (steps, meets.steps)
                 && Arc::ptr_eq(&one.source.0, kept)
                 && Arc::ptr_eq(&one.target.0, &driven.kept)
-                && Arc::ptr_eq(&one.drive, &driven.drive)
+                && one.omega == driven.free.omega
         };
         if let Some(known) = self.lookups.iter().rev().find(|one| same(one)) {
             return known.transfer;
@@ -131,7 +132,7 @@ where
         self.lookups.push(TransferLookup {
             source: (Arc::clone(kept), steps),
             target: (Arc::clone(&driven.kept), meets.steps),
-            drive: Arc::clone(&driven.drive),
+            omega: driven.free.omega,
             transfer: pair,
         });
         pair
@@ -144,20 +145,18 @@ where
         theirs: (&Arc<ReducedBasis>, u32),
     ) -> usize {
         let fits = |turn: &CachedTransfer<D>| {
-            Arc::ptr_eq(&turn.drive, &driven.drive)
+            turn.omega == driven.free.omega
                 && (turn.source.1, turn.target.1) == (theirs.1, steps)
                 && (Arc::ptr_eq(&turn.target.0, &driven.kept) || turn.target.0.modes == driven.kept.modes)
                 && same_modes(&turn.source.0, theirs.0)
         };
         self.cached.iter().rposition(fits).unwrap_or_else(|| {
-            // A lever without damping has no resolvent, so a transfer to it predicts nothing.
-            let free = resolvent_of(&free_monodromy::<D>(plan, instance).0);
             self.cached.push(CachedTransfer {
                 source: (Arc::clone(theirs.0), theirs.1),
                 target: (Arc::clone(&driven.kept), steps),
-                drive: Arc::clone(&driven.drive),
+                omega: driven.free.omega,
                 transfer: BasisTransfer::new(plan, instance, (theirs.0, theirs.1), D::DIM / 2),
-                free_resolvent: free.unwrap_or_else(|| OMatrix::<f64, D, D>::repeat(f64::NAN)),
+                free_resolvent: None,
             });
             self.cached.len() - 1
         })
@@ -205,7 +204,7 @@ where
     }
 
     /// The weighted sum of the neighbours' resolvents. Those with the same transfer are added first and transferred once.
-    pub fn sum_resolvents(&mut self, neighbours: &[StencilPoint]) {
+    pub fn sum_resolvents(&mut self, meets: TransferTarget, neighbours: &[StencilPoint]) {
         let all = &mut self.prediction.resolvent;
         all.fill(0.0);
         self.transfer_sums.clear();
@@ -234,8 +233,13 @@ where
             sums.iter_mut().zip(&*node.resolvent).for_each(|(sum, value)| *sum += weight * f64::from(*value));
         }
         for TransferSum { transfer: pair, share, from, count } in &self.transfer_sums {
-            let turn = &self.cached[*pair];
-            self.transferred_resolvent.copy_from(&turn.free_resolvent);
+            let turn = &mut self.cached[*pair];
+            let free = turn.free_resolvent.get_or_insert_with(|| {
+                // A lever without damping has no resolvent, so a transfer to it predicts nothing.
+                resolvent_of(&free_monodromy::<D>(meets.plan, meets.instance).0)
+                    .unwrap_or_else(|| OMatrix::<f64, D, D>::repeat(f64::NAN))
+            });
+            self.transferred_resolvent.copy_from(free);
             self.transferred_resolvent *= *share;
             turn.transfer
                 .transfer_jacobian::<D>(&self.sums[*from..][..*count], &mut self.transferred_resolvent);

@@ -9,7 +9,7 @@ use super::{
     CurveLayout, Drive, Driven, Ensemble, Grid, GridAxis, Plan, Policy, Precision, ReducedBasis, SetPoint,
 };
 use crate::contact::Compact;
-use crate::instrument::{Instrument, InstrumentError, Pattern};
+use crate::instrument::{FreeMotion, Instrument, InstrumentError, Pattern};
 use crate::observe::{Wants, wants};
 use crate::scene::{
     ApproachParams, Axis, Cases, DriveFrequency, Held, Layout, Params, Scene, Steady, SweptAxes,
@@ -126,17 +126,17 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Codes), PlanError> {
     // Levers and rods without the drive: fewer still.
     let body = |path: &str| moves_instrument(path) && !moves_drive(path);
     let bodies = Distinct::by(body, scene, drives.first.iter().copied());
+    let cases = Cases::of(scene);
     let fail = |instance: usize| {
-        let values = scene.described(instance);
-        move |source| PlanError::Instrument { instance, values, source }
+        move |source| PlanError::Instrument { instance, values: scene.described(instance), source }
     };
     let tolerance = (1e-3 * scene.run.accuracy).clamp(1e-11, 1e-7);
     // Levers that differ only in scale are reduced once.
-    let served = bodies.first.first().filter(|&&one| Pattern::serves(&scene.instance(one).instrument));
+    let served = bodies.first.first().filter(|&&one| Pattern::serves(&cases.instance(one).instrument));
     let pattern = served.map(|&one| Pattern::new(scene.base.drive.on, tolerance).map_err(fail(one)));
     let pattern = pattern.transpose()?;
     let instrument = |&instance: &usize| {
-        let params = scene.instance(instance);
+        let params = cases.instance(instance);
         let scaled = pattern.as_ref().and_then(|pattern| pattern.instrument(&params.instrument));
         let own =
             scaled.unwrap_or_else(|| Instrument::reduce(&params.instrument, params.drive.on, tolerance));
@@ -145,7 +145,7 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Codes), PlanError> {
     let instruments: Vec<Arc<Instrument>> =
         bodies.first.par_iter().map(instrument).collect::<Result<_, _>>()?;
     let frequency =
-        |(n, &instance): (usize, &usize)| (bodies.of.get(n), scene.instance(instance).drive.frequency);
+        |(n, &instance): (usize, &usize)| (bodies.of.get(n), cases.instance(instance).drive.frequency);
     let asked: Vec<(u32, DriveFrequency)> = drives.first.par_iter().enumerate().map(frequency).collect();
     // Drives that differ only in level share one swing.
     let mut numbers: HashMap<(u32, Option<u64>), u32> = HashMap::new();
@@ -167,7 +167,7 @@ fn driven(scene: &Scene) -> Result<(Vec<Driven>, Codes), PlanError> {
     };
     let swings: Vec<Swing> = distinct.par_iter().map(swing).collect::<Result<_, _>>()?;
     let one = |(&instance, &swing): (&usize, &u32)| {
-        swings[swing as usize].driven(&scene.instance(instance)).map_err(fail(instance))
+        swings[swing as usize].driven(&cases.instance(instance)).map_err(fail(instance))
     };
     let all = drives.first.par_iter().zip(&swing_of).map(one).collect::<Result<_, _>>()?;
     Ok((all, drives.of))
@@ -195,7 +195,8 @@ fn ensemble(scene: &Scene, drives: &[Driven], drive_of: Codes) -> Ensemble {
             held.map(|held| SetPoint { held, branch, deepest }),
         )
     };
-    let (mut contacts, mut gaps, mut setpoints) = (SharedContacts::new(), Met::new(), Vec::new());
+    let (mut contacts, mut gaps, mut setpoints) =
+        (SharedContacts::new(drive_of.len(), scene.sweep.layout), Met::new(), Vec::new());
     for from in (0..drive_of.len()).step_by(INSTANCES_AT_ONCE) {
         let some = from..drive_of.len().min(from + INSTANCES_AT_ONCE);
         let some: Vec<_> =
@@ -280,8 +281,8 @@ fn grid(sweep: &SweptAxes) -> Option<Grid> {
 /// An instrument at one frequency, and the modes with the largest shares.
 struct Swing {
     instrument: Arc<Instrument>,
-    /// Hz
-    frequency: f64,
+    /// Motion without a sample at level 1.
+    unit: FreeMotion,
     kept: Arc<ReducedBasis>,
 }
 
@@ -299,12 +300,13 @@ impl Swing {
         let omega = TAU * frequency;
         let wanted = (scene.run.accuracy, scene.run.accuracy);
         let kept = ReducedBasis::choose(instrument, omega, wanted, scene.run.modes, most);
-        Ok(Self { instrument: Arc::clone(instrument), frequency, kept: Arc::new(kept) })
+        let unit = instrument.unit_motion(frequency)?;
+        Ok(Self { instrument: Arc::clone(instrument), unit, kept: Arc::new(kept) })
     }
 
     /// The drive at a case's level.
     fn driven(&self, params: &Params) -> Result<Driven, InstrumentError> {
-        let free = self.instrument.free_motion(params.drive.level, self.frequency)?;
+        let free = self.instrument.at_level(&self.unit, params.drive.level)?;
         let drive = Arc::new(Drive { instrument: Arc::clone(&self.instrument), free });
         Ok(Driven { drive, kept: Arc::clone(&self.kept) })
     }

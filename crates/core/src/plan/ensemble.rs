@@ -4,7 +4,6 @@ use super::interning::{Codes, Interned};
 use crate::contact::{Compact, Contact, Law};
 use crate::instrument::{FreeMotion, Instrument, Mode};
 use crate::scene::{Cases, ForceBranch, Held, Viscosity};
-use nalgebra::Complex;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -168,13 +167,13 @@ impl Drive {
     /// contact can tune the lever to the drive so far, else the free amplitude.
     pub fn swing(&self, gap: f64) -> f64 {
         let omega = self.free.omega;
-        let at_resonance = |(mode, moves): (&Mode, &Complex<f64>)| {
+        let at_resonance = |(k, mode): (usize, &Mode)| {
             let [detuning, damping] =
                 [(mode.omega - omega) * (mode.omega + omega), omega * mode.omega / mode.quality_factor];
             let gain = detuning.hypot(damping) * mode.quality_factor / (mode.omega * mode.omega);
-            (moves * mode.tip).norm() * gain.max(1.0)
+            (self.free.mode(k) * mode.tip).norm() * gain.max(1.0)
         };
-        let most: f64 = self.instrument.modes.iter().zip(&self.free.modes).map(at_resonance).sum();
+        let most: f64 = self.instrument.modes.iter().enumerate().map(at_resonance).sum();
         if most > gap { FREE_AMPLITUDE_MARGIN * gap } else { self.free_amplitude() }
     }
 }

@@ -3,11 +3,13 @@
 use super::ensemble::Contacts;
 use super::interning::Codes;
 use crate::contact::Compact;
-use crate::scene::Cases;
+use crate::scene::{Cases, Layout};
 use std::collections::HashMap;
 
 /// Most contacts that are stored. If there are more, each is made from the scene's case on demand.
 const MAX_SHARED_CONTACTS: usize = 1 << 16;
+/// A longer list whose first contacts, this many, are all distinct is taken to repeat none.
+const DISTINCT_AT_FIRST: usize = 1 << 10;
 
 /// The constants of a contact, bit by bit.
 type Key = [u64; Compact::CONSTANTS];
@@ -19,11 +21,15 @@ pub(super) struct SharedContacts {
     known: HashMap<Key, Vec<u32>>,
     /// By instance so far: the number of its contact. `None` if too many are distinct.
     of: Option<Codes>,
+    /// Whether the instances are a list that is longer than what can be stored.
+    long_list: bool,
 }
 
 impl SharedContacts {
-    pub fn new() -> Self {
-        Self { all: Vec::new(), known: HashMap::new(), of: Some(Codes::zeros(0)) }
+    /// None yet, of so many instances that form a list or a grid.
+    pub fn new(instances: usize, layout: Layout) -> Self {
+        let long_list = layout == Layout::List && instances > MAX_SHARED_CONTACTS;
+        Self { all: Vec::new(), known: HashMap::new(), of: Some(Codes::zeros(0)), long_list }
     }
 
     /// Adds the contact of one more instance.
@@ -41,8 +47,13 @@ impl SharedContacts {
                 self.all.len() as u32 - 1
             }
         };
+        let most = if self.long_list && self.of.as_ref().is_some_and(|of| of.len() + 1 == self.all.len()) {
+            DISTINCT_AT_FIRST
+        } else {
+            MAX_SHARED_CONTACTS
+        };
         match &mut self.of {
-            Some(of) if self.all.len() <= MAX_SHARED_CONTACTS => of.push(number),
+            Some(of) if self.all.len() <= most => of.push(number),
             of => *of = None,
         }
     }

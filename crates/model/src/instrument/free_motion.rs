@@ -9,6 +9,7 @@
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::instrument_error::InstrumentError;
 use super::{FreeMotion, Instrument, Mode, check_positive};
@@ -44,46 +45,53 @@ impl Instrument {
     /// A level of a kind that does not drive this instrument, numbers that are not finite, an
     /// undamped mode driven exactly at its frequency, an amplitude asked of a tip at rest.
     pub fn free_motion(&self, level: DriveLevel, frequency_hz: f64) -> Result<FreeMotion, InstrumentError> {
+        self.at_level(&self.unit_motion(frequency_hz)?, level)
+    }
+
+    /// The motion without a sample under a sine drive of level 1 at `frequency_hz`.
+    ///
+    /// # Errors
+    /// A frequency that is not positive, an undamped mode driven exactly at its frequency.
+    pub fn unit_motion(&self, frequency_hz: f64) -> Result<FreeMotion, InstrumentError> {
         check_positive("the drive's frequency", frequency_hz)?;
         let omega = TAU * frequency_hz;
-        let unit = self.modal_response(omega)?;
+        let unit_modes: Arc<[Complex<f64>]> = self.modal_response(omega)?.into();
         let sum = |place: MotionPlace, base: f64| {
             let moves = |(m, z): (&Mode, &Complex<f64>)| z * place.share(m);
-            self.modes.iter().zip(&unit).map(moves).sum::<Complex<f64>>() + base
+            self.modes.iter().zip(&*unit_modes).map(moves).sum::<Complex<f64>>() + base
         };
         let base = if self.moving_base { 1.0 } else { 0.0 };
         let (tip, top) = (sum(MotionPlace::Tip, base), sum(MotionPlace::Top, base));
-        let level = self.level(level, tip.norm(), frequency_hz)?;
-        let reach = tip.norm().max(top.norm()) * level.abs();
-        if !reach.is_finite() {
-            return Err(InstrumentError::OutOfRange { what: "free travel", value: reach });
-        }
-        let modes: Vec<Complex<f64>> = unit.iter().map(|z| z * level).collect();
-        let start = |(mode, z): (&Mode, &Complex<f64>)| {
-            let kick = if self.moving_base { mode.drive * level * omega } else { 0.0 };
-            [-z.im, kick - omega * z.re]
-        };
-        let transient = self.modes.iter().zip(&modes).map(start).collect();
-        let (tip, top, bending) = (tip * level, top * level, self.bending());
         let compliance = self.follows(MotionPlace::Tip, omega);
         let pushed = self.follows(MotionPlace::Top, omega);
-        // Nothing divided by nothing would be no number.
-        let top_per_tip = if pushed.norm() == 0.0 { pushed } else { pushed / compliance };
-        let first_mode = self.first_mode();
         Ok(FreeMotion {
             omega,
-            level,
+            level: 1.0,
             tip,
             amplitude: tip.norm(),
             angle: tip.arg(),
             top,
-            top_per_tip,
-            bending,
+            // Nothing divided by nothing would be no number.
+            top_per_tip: if pushed.norm() == 0.0 { pushed } else { pushed / compliance },
+            bending: self.bending(),
             compliance,
-            first_mode,
-            modes,
-            transient,
+            first_mode: self.first_mode(),
+            unit_modes,
         })
+    }
+
+    /// The motion of level 1 at another level.
+    ///
+    /// # Errors
+    /// As [`Instrument::free_motion`].
+    pub fn at_level(&self, unit: &FreeMotion, level: DriveLevel) -> Result<FreeMotion, InstrumentError> {
+        let level = self.level(level, unit.amplitude, unit.omega / TAU)?;
+        let reach = unit.amplitude.max(unit.top.norm()) * level.abs();
+        if !reach.is_finite() {
+            return Err(InstrumentError::OutOfRange { what: "free travel", value: reach });
+        }
+        let (tip, top) = (unit.tip * level, unit.top * level);
+        Ok(FreeMotion { level, tip, amplitude: tip.norm(), angle: tip.arg(), top, ..unit.clone() })
     }
 
     /// How far a place moves under a force on the tip at `omega` (rad/s), all modes, m/N.
@@ -139,6 +147,20 @@ impl Instrument {
 }
 
 impl FreeMotion {
+    /// Phasor of a modal coordinate.
+    pub fn mode(&self, k: usize) -> Complex<f64> {
+        self.unit_modes[k] * self.level
+    }
+
+    /// Initial value and rate of a mode's free decaying part when the run starts from rest. `instrument` is the one this motion
+    /// came from.
+    pub fn transient(&self, instrument: &Instrument, k: usize) -> [f64; 2] {
+        let z = self.mode(k);
+        let kick =
+            if instrument.moving_base { instrument.modes[k].drive * self.level * self.omega } else { 0.0 };
+        [-z.im, kick - self.omega * z.re]
+    }
+
     /// The tip against the rod's top, or a rigid base, where the fundamental of the tip's travel is `tip`: what a beam of
     /// light on the lever sees. What the tip does beside its free motion comes from forces on it alone, and the
     /// instrument is linear, so the top follows from the tip.
@@ -252,10 +274,10 @@ impl FreeMotion {
         place: MotionPlace,
         skip: &'a [bool],
     ) -> impl Iterator<Item = (&'a Mode, f64, [f64; 2])> {
-        instrument.modes.iter().zip(&self.transient).enumerate().filter_map(move |(k, (mode, start))| {
-            let share = place.share(mode);
+        instrument.modes.iter().enumerate().filter_map(move |(k, mode)| {
+            let (share, start) = (place.share(mode), self.transient(instrument, k));
             let skipped = skip.get(k).copied().unwrap_or(false);
-            (!skipped && share != 0.0 && *start != [0.0, 0.0]).then_some((mode, share, *start))
+            (!skipped && share != 0.0 && start != [0.0, 0.0]).then_some((mode, share, start))
         })
     }
 }

@@ -43,6 +43,7 @@ mod secular;
 mod unit_modes;
 
 use nalgebra::Complex;
+use std::sync::Arc;
 
 use crate::scene::DriveOn;
 
@@ -121,10 +122,8 @@ pub struct FreeMotion {
     pub compliance: Complex<f64>,
     /// The mode next to the lever's own first one: its frequency (Hz) and its stiffness at the tip (N/m).
     pub first_mode: (f64, f64),
-    /// Phasors of the modal coordinates.
-    pub modes: Vec<Complex<f64>>,
-    /// Initial value and rate of each mode's free decaying part when the run starts from rest.
-    pub transient: Vec<[f64; 2]>,
+    /// Phasors of the modal coordinates per unit of the level. Drives that differ in level share them.
+    pub unit_modes: Arc<[Complex<f64>]>,
 }
 
 impl Instrument {

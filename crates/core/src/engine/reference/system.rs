@@ -88,9 +88,11 @@ impl System {
             fastest_transient: 0.0,
         };
         if start == Start::Rest {
-            let modes = driven.instrument.modes.iter().zip(&driven.free.transient);
-            system.transients =
-                modes.map(|(mode, [q, rate])| (*mode, [mode.tip * q, mode.tip * rate])).collect();
+            let transient = |(k, mode): (usize, &Mode)| {
+                let [q, rate] = driven.free.transient(&driven.instrument, k);
+                (*mode, [mode.tip * q, mode.tip * rate])
+            };
+            system.transients = driven.instrument.modes.iter().enumerate().map(transient).collect();
             system.begin_period(0);
             let size = |(mode, [x, v]): &(Mode, [f64; 2])| x.abs() + v.abs() / mode.omega;
             let seen = 1e-12 * system.length();
