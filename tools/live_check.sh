@@ -19,7 +19,9 @@ if [ ${#missing[@]} -gt 0 ]; then
     }
 fi
 zstd -d -q -f "$engine" -o target/web/engine.wasm
-.venv/bin/python tests/python/live_engine.py "$program" target/web/engine.wasm
+# One thread's work, so it runs beside the page's own tests.
+.venv/bin/python tests/python/live_engine.py "$program" target/web/engine.wasm &
+numbers=$!
 mkdir -p target/web/test
 cp crates/web/test/package.json target/web/test/
 npm install --prefix target/web/test --no-package-lock --no-audit --no-fund --silent
@@ -35,3 +37,4 @@ for scene in quickstart samples phase_at_setpoint; do
     "$program" -q report "target/web/$scene.h5" --engine "$engine"
 done
 node crates/web/test/explore.mjs target/web/{quickstart,samples,phase_at_setpoint}/explore.html
+wait "$numbers"

@@ -10,6 +10,13 @@ cd "$(dirname "$0")/.."
 cargo test "$@" --test all --no-run
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
+# The pages' examples are mostly one thread's work, so they run beside the rest.
+(
+    for page in docs/first_steps.md docs/recipes.md; do
+        .venv/bin/python tests/python/run_recipes.py "${CARGO_TARGET_DIR:-target}/debug/afmsweep" "$page"
+    done
+) &
+pages=$!
 for scene in tests/python/*.toml; do
     file=$folder/$(basename "$scene" .toml).h5
     "${CARGO_TARGET_DIR:-target}/debug/afmsweep" run "$scene" -q -o "$file"
@@ -18,8 +25,6 @@ done
 .venv/bin/python -W error tests/python/check_stats.py "${CARGO_TARGET_DIR:-target}/debug/afmsweep" tests/python/study/*.toml
 "${CARGO_TARGET_DIR:-target}/debug/afmsweep" schema > "$folder/schema.json"
 .venv/bin/python tests/python/check_schema.py "$folder/schema.json" .
-for page in docs/first_steps.md docs/recipes.md; do
-    .venv/bin/python tests/python/run_recipes.py "${CARGO_TARGET_DIR:-target}/debug/afmsweep" "$page"
-done
 tools/site.sh
+wait "$pages"
 AFMSWEEP_PYTHON=1 cargo test "$@" --test all store_python

@@ -2,9 +2,9 @@
 //! drive's work against the losses of lever and sample.
 
 use crate::checks;
-use crate::checks::energy::{balance, free_work};
+use crate::checks::energy::{balance, drive_work, free_work};
 use crate::checks::{bounds, calibrated, one_mode, sample};
-use afmsweep::observe::Status;
+use afmsweep::observe::{Measured, Status};
 use afmsweep::plan::Plan;
 use afmsweep::scene::{
     ActuatorModel, DriveFrequency, DriveLevel, LawChoice, QualityFactor, Scene, Start, SweptAxes,
@@ -63,9 +63,12 @@ struct Account {
     whole: Option<f64>,
     /// The same from the motion beside the free one, for any instrument.
     beside: f64,
+    /// The drive's work by the tip's fundamental less that by the force.
+    drive: f64,
 }
 
-fn account(plan: &Plan, loss: f64) -> Account {
+fn account(plan: &Plan, measured: &Measured) -> Account {
+    let loss = measured.dissipation;
     let driven = &plan.drives[0];
     let books = balance(plan, 0);
     let unit = books.drive.abs().max(free_work(driven).abs()).max(loss.abs());
@@ -76,6 +79,7 @@ fn account(plan: &Plan, loss: f64) -> Account {
         loss: loss / unit,
         whole: mutual.then_some((books.drive - books.modes - loss) / unit),
         beside: (books.taken - books.excited - loss) / unit,
+        drive: (drive_work(driven, &checks::outcome(measured)) - books.drive) / unit,
     }
 }
 
@@ -87,14 +91,15 @@ fn books_balance(name: &str, scene: &Scene) -> bool {
         println!("{name}: {:?}", result.status);
         return false;
     }
-    let Account { loss, whole, beside } = account(&plan, result.measured.dissipation);
+    let Account { loss, whole, beside, drive } = account(&plan, &result.measured);
     println!(
-        "{name}, {} steps, {:.2} contacts a period: loss {loss:.3e} of the drive's work, books off by {whole:?} and {beside:.1e}",
+        "{name}, {} steps, {:.2} contacts a period: loss {loss:.3e} of the drive's work, books off by {whole:?}, {beside:.1e} and {drive:.1e}",
         plan.steps(0),
         result.measured.contacts
     );
     assert!(whole.unwrap_or(0.0).abs() <= bounds::BOOKS, "{name}: drive less modes less sample {whole:?}");
     assert!(beside.abs() <= bounds::BOOKS, "{name}: beside the free motion {beside:e}");
+    assert!(drive.abs() <= bounds::BOOKS, "{name}: the drive's work by the fundamental {drive:e}");
     match plan.contact(0).law.has_hysteresis() {
         true => assert!(loss >= -bounds::NO_LOSS, "{name}: a law that remembers gains {loss:e}"),
         false => assert!(loss.abs() <= bounds::NO_LOSS, "{name}: a law without memory loses {loss:e}"),

@@ -1,6 +1,7 @@
 //! Where the drive's work goes, from the contact force's harmonics and the instrument's exact
 //! linear response to each of them: nothing of the stepping enters but the force itself.
 
+use super::Outcome;
 use afmsweep::engine::{TraceSample, trace};
 use afmsweep::plan::{Driven, Plan};
 use nalgebra::Complex;
@@ -95,6 +96,21 @@ pub fn balance(plan: &Plan, instance: usize) -> Balance {
         sum.taken = -PI * (first * (free.tip * Complex::new(0.0, 1.0)).conj()).re;
     }
     sum
+}
+
+/// Work of the drive in a period (J) by the tip's fundamental: it tells the force's first harmonic, since the instrument is linear.
+pub fn drive_work(driven: &Driven, truth: &Outcome) -> f64 {
+    let (free, instrument) = (&driven.free, &driven.instrument);
+    let tip = Complex::from_polar(truth.amplitude, -truth.phase.to_radians());
+    let force = (tip - free.tip) / free.compliance;
+    let per_level = if instrument.moving_base { -free.omega * free.omega } else { 1.0 };
+    let modes = instrument.modes.iter().enumerate().map(|(k, mode)| {
+        let stiffness = (mode.omega - free.omega) * (mode.omega + free.omega);
+        let response = mode.force / Complex::new(stiffness, free.omega * mode.omega / mode.quality_factor);
+        mode.drive * (force * response + free.mode(k)).im
+    });
+    let through_base = if instrument.moving_base { force.im } else { 0.0 };
+    -PI * free.level * (per_level * modes.sum::<f64>() + through_base)
 }
 
 /// Work of the drive in a period without a sample, J.

@@ -319,7 +319,7 @@ pub fn scales(plan: &Plan, instance: usize, truth: &Outcome) -> Scales {
     let work = match plan.run.start {
         // A tip held fast takes next to nothing from its drive (1e-25 J in a case met): there the
         // scale is what the drive does without the sample.
-        Start::Steady => energy::balance(plan, instance).drive.abs().max(energy::free_work(driven).abs()),
+        Start::Steady => energy::drive_work(driven, truth).abs().max(energy::free_work(driven).abs()),
         // No period is like the next: what the largest force could do over the free swing.
         Start::Rest => force * length,
     };

@@ -13,7 +13,14 @@ import re
 import subprocess
 import sys
 import tempfile
+import traceback
 from pathlib import Path
+
+# Every block imports some of these, and one of them takes two seconds to load.
+os.environ["MPLBACKEND"] = "Agg"
+import matplotlib.pyplot  # noqa: F401, E402
+import SALib  # noqa: F401, E402
+import xarray  # noqa: F401, E402
 
 
 def expected(code):
@@ -32,6 +39,27 @@ def shown(text, output):
     return missing
 
 
+def run_python(code, folder, environment):
+    """Runs a block in a process of its own that has the libraries of all blocks already; returns what it prints."""
+    with tempfile.TemporaryFile() as out:
+        child = os.fork()
+        if child == 0:
+            os.dup2(out.fileno(), 1)
+            os.chdir(folder)
+            os.environ.update(environment)
+            try:
+                exec(compile(code, "block", "exec"), {"__name__": "__main__"})
+                sys.stdout.flush()
+                os._exit(0)
+            except BaseException:
+                traceback.print_exc()
+                os._exit(1)
+        _, status = os.waitpid(child, 0)
+        assert status == 0, code
+        out.seek(0)
+        return out.read().decode()
+
+
 def main(program, page):
     program, text = Path(program).resolve(), Path(page).read_text(encoding="utf-8")
     blocks = re.findall(r"^```(\w+)(?: (\S+))?\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
@@ -39,7 +67,7 @@ def main(program, page):
     prints, output = 0, ""
     with tempfile.TemporaryDirectory() as folder:
         paths = os.pathsep.join([str(program.parent), str(Path(sys.executable).parent), os.environ["PATH"]])
-        environment = {**os.environ, "PATH": paths, "MPLBACKEND": "Agg"}
+        environment = {**os.environ, "PATH": paths}
         for kind, name, code in blocks:
             if kind == "toml":
                 Path(folder, name).write_text(code, encoding="utf-8")
@@ -50,16 +78,16 @@ def main(program, page):
                 assert not (missing := shown(code, output)), f"{missing} is not in\n{output}"
                 prints += len(code.splitlines())
                 continue
-            command = {"sh": ["bash", "-euo", "pipefail", "-c", code], "python": [sys.executable, "-c", code]}[kind]
-            # What a shell shows is both streams, as they come.
-            errors = subprocess.STDOUT if kind == "sh" else subprocess.PIPE
-            streams = {"stdout": subprocess.PIPE, "stderr": errors}
-            done = subprocess.run(command, cwd=folder, env=environment, text=True, **streams)
-            assert done.returncode == 0, f"{code}\n{done.stdout}{done.stderr or ''}"
             if kind == "sh":
+                # What a shell shows is both streams, as they come.
+                streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+                command = ["bash", "-euo", "pipefail", "-c", code]
+                done = subprocess.run(command, cwd=folder, env=environment, text=True, **streams)
+                assert done.returncode == 0, f"{code}\n{done.stdout}"
                 output = done.stdout
             else:
-                said = done.stdout.splitlines()
+                assert kind == "python", kind
+                said = run_python(code, folder, environment).splitlines()
                 if "AFMSWEEP_WRITE" in os.environ:
                     lines, fresh = code.splitlines(), iter(said)
                     fresh = [f"# {next(fresh)}" if line.startswith("# ") else line for line in lines]
