@@ -79,7 +79,7 @@ fn account(plan: &Plan, measured: &Measured) -> Account {
         loss: loss / unit,
         whole: mutual.then_some((books.drive - books.modes - loss) / unit),
         beside: (books.taken - books.excited - loss) / unit,
-        drive: (drive_work(driven, &checks::outcome(measured)) - books.drive) / unit,
+        drive: (drive_work(driven, checks::tip(&checks::outcome(measured))) - books.drive) / unit,
     }
 }
 

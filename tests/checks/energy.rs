@@ -1,7 +1,6 @@
 //! Where the drive's work goes, from the contact force's harmonics and the instrument's exact
 //! linear response to each of them: nothing of the stepping enters but the force itself.
 
-use super::Outcome;
 use afmsweep::engine::{TraceSample, trace};
 use afmsweep::plan::{Driven, Plan};
 use nalgebra::Complex;
@@ -99,9 +98,8 @@ pub fn balance(plan: &Plan, instance: usize) -> Balance {
 }
 
 /// Work of the drive in a period (J) by the tip's fundamental: it tells the force's first harmonic, since the instrument is linear.
-pub fn drive_work(driven: &Driven, truth: &Outcome) -> f64 {
+pub fn drive_work(driven: &Driven, tip: Complex<f64>) -> f64 {
     let (free, instrument) = (&driven.free, &driven.instrument);
-    let tip = Complex::from_polar(truth.amplitude, -truth.phase.to_radians());
     let force = (tip - free.tip) / free.compliance;
     let per_level = if instrument.moving_base { -free.omega * free.omega } else { 1.0 };
     let modes = instrument.modes.iter().enumerate().map(|(k, mode)| {
@@ -115,8 +113,5 @@ pub fn drive_work(driven: &Driven, truth: &Outcome) -> f64 {
 
 /// Work of the drive in a period without a sample, J.
 pub fn free_work(driven: &Driven) -> f64 {
-    let (free, instrument) = (&driven.free, &driven.instrument);
-    let per_level = if instrument.moving_base { -free.omega * free.omega } else { 1.0 };
-    let modes = instrument.modes.iter().enumerate();
-    -PI * free.level * per_level * modes.map(|(k, mode)| mode.drive * free.mode(k).im).sum::<f64>()
+    drive_work(driven, driven.free.tip)
 }

@@ -17,6 +17,7 @@ use afmsweep::scene::{
     ActuatorModel, Adhesion, DriveFrequency, DriveLevel, DriveOn, HydrationStrength, LawChoice, LeverMode,
     LeverSpec, NeckModel, OutsideForce, QualityFactor, Scene, Start, TermForce, TipShape,
 };
+use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
@@ -308,6 +309,11 @@ pub struct Scales {
 /// An observable's name and its error on its scale.
 pub type Errors = Vec<(&'static str, f64)>;
 
+/// Fundamental of the tip's travel, m.
+pub fn tip(truth: &Outcome) -> Complex<f64> {
+    Complex::from_polar(truth.amplitude, -truth.phase.to_radians())
+}
+
 /// The scales of an instance whose true measurements are `truth`.
 pub fn scales(plan: &Plan, instance: usize, truth: &Outcome) -> Scales {
     let case = plan.case(instance as u32);
@@ -319,7 +325,7 @@ pub fn scales(plan: &Plan, instance: usize, truth: &Outcome) -> Scales {
     let work = match plan.run.start {
         // A tip held fast takes next to nothing from its drive (1e-25 J in a case met): there the
         // scale is what the drive does without the sample.
-        Start::Steady => energy::drive_work(driven, truth).abs().max(energy::free_work(driven).abs()),
+        Start::Steady => energy::drive_work(driven, tip(truth)).abs().max(energy::free_work(driven).abs()),
         // No period is like the next: what the largest force could do over the free swing.
         Start::Rest => force * length,
     };

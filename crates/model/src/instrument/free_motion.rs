@@ -80,11 +80,12 @@ impl Instrument {
         })
     }
 
-    /// The motion of level 1 at another level.
+    /// The motion at another level, from `unit`, this instrument's motion of level 1 ([`Instrument::unit_motion`]).
     ///
     /// # Errors
     /// As [`Instrument::free_motion`].
     pub fn at_level(&self, unit: &FreeMotion, level: DriveLevel) -> Result<FreeMotion, InstrumentError> {
+        debug_assert_eq!(unit.level, 1.0);
         let level = self.level(level, unit.amplitude, unit.omega / TAU)?;
         let reach = unit.amplitude.max(unit.top.norm()) * level.abs();
         if !reach.is_finite() {
