@@ -94,8 +94,8 @@ fn what_neighbours_lead_to_is_what_a_search_finds() {
         );
         assert!(started > 0.7, "{law}: {started}");
         assert!(cold.run.neighbour_started.is_empty());
-        // Of a grid the trials, which cost as much, are less.
-        let gain = if swept == GRID { 2.0 } else { 1.5 };
+        // Of a grid the trials, which cost as much, are less. Cold searches of a design begin at harmonic balance, too.
+        let gain = if swept == GRID { 2.0 } else { 1.4 };
         assert!(gain * ours.steps_taken as f64 <= cold.steps_taken as f64, "{law}");
     }
 }

@@ -67,6 +67,11 @@ impl InitialGuess<'_> {
         }
     }
 
+    /// Whether an instance without a state begins at its free oscillation.
+    pub fn starts_free(&self) -> bool {
+        matches!(self, Self::States(_) | Self::StatesOnce(_) | Self::StatesOrDefer(_))
+    }
+
     /// Periods to integrate, and whether a search follows.
     pub fn warm_up(&self) -> &'static [(u32, bool)] {
         match self {

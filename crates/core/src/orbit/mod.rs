@@ -1,8 +1,8 @@
 //! The periodic state of each instance, by integration to steady state or by a search that a run confirms.
 
-mod conservative_orbit;
 mod continuation;
 mod envelope_solver;
+mod harmonic_balance;
 mod initial_guess;
 mod instance_search;
 mod jacobian;

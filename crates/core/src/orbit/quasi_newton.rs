@@ -2,7 +2,7 @@
 
 use super::residual::RESIDUAL_TOL;
 use super::size_dispatch::{BySize, by_size, with_size};
-use super::stencil::StencilStart;
+use super::stencil::{SolvedNeighbour, Stencil, StencilPoint, StencilStart};
 use super::tolerances::{newton_tol, scale};
 use super::transfer_cache::TransferCache;
 use super::{Jacobian, OrbitSolution, PeriodicState};
@@ -24,16 +24,30 @@ fn batch_size(count: usize) -> usize {
     count.div_ceil(rayon::current_num_threads()).clamp(MIN_BATCH_INSTANCES, INSTANCES_PER_BATCH)
 }
 
-/// Corrects the predictions of instances that have a stencil. Returns results, states and periods where this converges; other
-/// instances stay as not run, and only their periods count.
+/// Corrects the predictions of instances that have a stencil, with forces as accurate as travel. Returns results, states and
+/// periods where this converges; other instances stay as not run, and only their periods count.
 pub(super) fn correct(
     plan: &Plan,
     leads: &[StencilStart],
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
-    let hinted = |i: &u32| matches!(leads[*i as usize], StencilStart::Stencil(_));
-    let tried: Vec<u32> = plan.instances().filter(|i| plan.steps(*i) > 0 && hinted(i)).collect();
+    let mut settled = correct_travel(plan, leads, engine, progress)?;
+    // In f32 every state is measured again anyway.
+    if plan.precision == Precision::F64 {
+        settled.tighten_vague_forces(plan, &predicted(plan, leads), engine, progress)?;
+    }
+    Ok(settled)
+}
+
+/// The same, with a state confirmed by its travel alone.
+pub(super) fn correct_travel(
+    plan: &Plan,
+    leads: &[StencilStart],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    let tried = predicted(plan, leads);
     let cpu = Cpu::default();
     let double: &dyn Engine = if engine.double() { engine } else { &cpu };
     progress.task("from neighbours", 0);
@@ -68,16 +82,46 @@ pub(super) fn correct(
             }
         }
     }
-    // In f32 every state is measured again anyway.
     if plan.precision == Precision::F64 && !progress.stopped() {
         let unsure = settled.confirm_by_residual(plan, &anew, double, progress)?;
         settled.run_on(&plan.part(&unsure), &unsure, double, progress)?;
         let fails = |i: &u32| !settled.outcome.results[*i as usize].status.is_steady();
         let lost: Vec<u32> = unsure.into_iter().filter(fails).collect();
         lost.into_iter().for_each(|i| settled.drop_state(i));
-        settled.tighten_vague_forces(plan, &tried, double, progress)?;
     }
     Ok(settled)
+}
+
+/// The instances that have a stencil.
+fn predicted(plan: &Plan, leads: &[StencilStart]) -> Vec<u32> {
+    let hinted = |i: &u32| matches!(leads[*i as usize], StencilStart::Stencil(_));
+    plan.instances().filter(|i| plan.steps(*i) > 0 && hinted(i)).collect()
+}
+
+/// Corrects the states `near` of the plan's instances; the others, and what this does not correct, stay as not run.
+pub(super) fn correct_own_states(
+    plan: &Plan,
+    near: &[Option<&PeriodicState>],
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<OrbitSolution, EngineError> {
+    correct_travel(plan, &own_starts(&own_nodes(plan, near)), engine, progress)
+}
+
+/// The states `near` of the plan's instances as neighbours of themselves.
+pub(super) fn own_nodes(plan: &Plan, near: &[Option<&PeriodicState>]) -> Vec<Option<SolvedNeighbour>> {
+    let node = |i: u32| SolvedNeighbour::of_own_state(plan, i, near[i as usize]?);
+    plan.instances().map(node).collect()
+}
+
+/// Starts from such a node alone.
+pub(super) fn own_starts(nodes: &[Option<SolvedNeighbour>]) -> Vec<StencilStart<'_>> {
+    nodes.iter().map(|node| node.as_ref().map_or(StencilStart::None, single_point)).collect()
+}
+
+/// A start from one state alone.
+fn single_point(node: &SolvedNeighbour) -> StencilStart<'_> {
+    Stencil::alone(StencilPoint { node, before: None, weight: 1.0, nearest: 1.0 }).into()
 }
 
 /// Predictions, the correction of each, and the state it has led to.

@@ -1,5 +1,6 @@
 //! Many searches side by side: one run evaluates all that they ask for.
 
+use super::harmonic_balance::balanced_orbit;
 use super::initial_guess::{InitialGuess, Unconverged};
 use super::instance_search::{InstanceSearch, padded};
 use super::period_map::{PeriodMap, section, vector};
@@ -127,6 +128,31 @@ impl SearchBatch<'_> {
         self.plan.case(self.instances[slot as usize])
     }
 
+    /// The search of an instance that begins near a periodic state; `None` if it begins elsewhere.
+    fn near_start<D: Size + DimName>(self, slot: u32) -> Option<Box<InstanceSearch<D>>>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let Self { plan, from, .. } = self;
+        let instance = self.instances[slot as usize];
+        let begin = || from.point(plan, instance);
+        let search = match (from.state(instance), &from) {
+            (known, InitialGuess::CurvePoints(along)) => {
+                InstanceSearch::along_curve(plan, slot, instance, known, along)
+            }
+            (Some(place), _) => InstanceSearch::from_known(plan, slot, instance, place),
+            (None, InitialGuess::Points(_) | InitialGuess::PointsOnly(_)) => {
+                InstanceSearch::near(plan, slot, instance, begin())
+            }
+            (None, InitialGuess::Integrated(_)) => InstanceSearch::cold(plan, slot, instance, begin()),
+            (None, _) if from.starts_free() => {
+                InstanceSearch::near(plan, slot, instance, balanced_orbit(plan, instance)?)
+            }
+            (None, _) => return None,
+        };
+        Some(Box::new(search))
+    }
+
     fn run<D: Size + DimName>(self, slots: Range<u32>) -> Result<Vec<SearchEnd>, EngineError>
     where
         DefaultAllocator: Memory<D>,
@@ -138,25 +164,8 @@ impl SearchBatch<'_> {
         let (mut close, mut left): (Vec<Box<InstanceSearch<D>>>, Vec<UnsolvedSlot>) =
             (Vec::new(), Vec::new());
         for slot in slots {
-            match from.state(instance(slot)) {
-                known if let InitialGuess::CurvePoints(along) = &from => {
-                    close.push(Box::new(InstanceSearch::along_curve(
-                        plan,
-                        slot,
-                        instance(slot),
-                        known,
-                        along,
-                    )));
-                }
-                Some(place) => {
-                    close.push(Box::new(InstanceSearch::from_known(plan, slot, instance(slot), place)))
-                }
-                None if matches!(from, InitialGuess::Points(_) | InitialGuess::PointsOnly(_)) => {
-                    close.push(Box::new(InstanceSearch::near(plan, slot, instance(slot), begin(slot))));
-                }
-                None if matches!(from, InitialGuess::Integrated(_)) => {
-                    close.push(Box::new(InstanceSearch::cold(plan, slot, instance(slot), begin(slot))));
-                }
+            match self.near_start(slot) {
+                Some(search) => close.push(search),
                 None => left.push((slot, 0, begin(slot))),
             }
         }

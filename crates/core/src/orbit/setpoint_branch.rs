@@ -1,7 +1,7 @@
 //! The continuation of one instance to its set-point.
 
-use super::conservative_orbit::conservative_orbit;
 use super::continuation::extrapolated;
+use super::harmonic_balance::conservative_orbit;
 use super::period_map::distance;
 use super::{PeriodicState, period_map};
 use crate::plan::{Plan, SectionState, SetPoint};

@@ -76,7 +76,7 @@ pub(super) fn jacobian_columns(plan: &Plan, instance: u32) -> usize {
 }
 
 /// The free lever's largest multiplier.
-fn free_multiplier(plan: &Plan, instance: u32) -> f64 {
+pub(super) fn free_multiplier(plan: &Plan, instance: u32) -> f64 {
     let driven = plan.driven(instance);
     let left = |mode: &KeptMode| (-TAU * mode.damping * mode.omega / driven.free.omega).exp();
     driven.kept.modes.iter().map(left).fold(0.0, f64::max)

@@ -1,6 +1,7 @@
 //! Measures the states that searches find: by one period that confirms the state, or by some that continue from it.
 
 use super::initial_guess::{InitialGuess, Unconverged};
+use super::quasi_newton::correct_own_states;
 use super::{OrbitSolution, PeriodicState, gather, residual, search_batch};
 use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
 use crate::plan::{Plan, Precision, SectionState, StartState};
@@ -134,13 +135,16 @@ impl OrbitSolution {
         }
         let mut part = plan.part(&vague);
         part.run.accuracy *= FORCE_TOL_SHARE;
-        let places: Vec<SectionState> = gather(&self.found, &vague)
-            .into_iter()
-            .map(|state| state.map_or(SectionState::FREE, |one| one.section))
-            .collect();
-        let all: Vec<u32> = part.instances().collect();
-        let (mut sharp, _) =
-            search_by_travel(&part, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
+        let near = gather(&self.found, &vague);
+        let mut sharp = correct_own_states(&part, &near, engine, progress)?;
+        let open: Vec<u32> = part.instances().filter(|i| sharp.found[*i as usize].is_none()).collect();
+        let place = |i: &u32| near[*i as usize].map_or(SectionState::FREE, |state| state.section);
+        let places: Vec<SectionState> = open.iter().map(place).collect();
+        let rest = part.part(&open);
+        let all: Vec<u32> = rest.instances().collect();
+        let (searched, _) =
+            search_by_travel(&rest, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
+        sharp.take(&open, searched);
         self.outcome.notes.append(&mut sharp.outcome.notes);
         for (n, i) in vague.into_iter().map(|i| i as usize).enumerate() {
             self.periods[i] += sharp.periods[n];
