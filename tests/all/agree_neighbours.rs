@@ -21,7 +21,7 @@ const DESIGN: &str = r#"
 "approach.gap" = { distribution = "uniform", from = "13 nm", to = "16 nm" }
 "instrument.cantilever.stiffness" = { distribution = "uniform", from = "20 N/m", to = "60 N/m" }
 "instrument.cantilever.frequency" = { distribution = "uniform", from = "200 kHz", to = "400 kHz" }
-"instrument.cantilever.quality_factor" = { distribution = "uniform", from = 80, to = 120 }
+"instrument.cantilever.quality_factor" = { distribution = "uniform", from = 60, to = 95 }
 [design]
 kind = "latin-hypercube"
 samples = 2000
@@ -66,7 +66,7 @@ fn run(scene: &Scene, cold: bool, threads: usize) -> SweepOutcome {
     sweep.cold(cold).threads(Some(threads)).run().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Truth: each instance by itself.
+/// Truth: each instance by itself, from its free oscillation: no lever here rings long enough for harmonic balance.
 #[test]
 fn what_neighbours_lead_to_is_what_a_search_finds() {
     for (law, swept) in [("hertz", GRID), ("dmt", GRID), ("jkr", GRID), ("dmt", DESIGN), ("jkr", DESIGN)] {
@@ -94,8 +94,8 @@ fn what_neighbours_lead_to_is_what_a_search_finds() {
         );
         assert!(started > 0.7, "{law}: {started}");
         assert!(cold.run.neighbour_started.is_empty());
-        // Of a grid the trials, which cost as much, are less. Cold searches of a design begin at harmonic balance, too.
-        let gain = if swept == GRID { 2.0 } else { 1.4 };
+        // Of a grid the trials, which cost as much, are less.
+        let gain = if swept == GRID { 2.0 } else { 1.5 };
         assert!(gain * ours.steps_taken as f64 <= cold.steps_taken as f64, "{law}");
     }
 }

@@ -11,8 +11,7 @@ use rayon::prelude::*;
 /// Coarse points are the tree's top: one in 2^COARSE_EXPONENT instances, at least about 2^MIN_COARSE_EXPONENT.
 const COARSE_EXPONENT: u32 = 7;
 const MIN_COARSE_EXPONENT: u32 = 6;
-/// Points of a stencil beside one for each dimension. Twice as many for each took 2 to 5 % fewer steps and more
-/// time.
+/// Points of a stencil beside one for each dimension. Twice as many for each took 2 to 5 % fewer steps and more time.
 const STENCIL_POINTS_BESIDE_DIMENSIONS: usize = 4;
 /// The points of a stencil may be so many times as far as the nearest ones.
 const STENCIL_DISTANCE_RATIO: f64 = 2.0;

@@ -23,7 +23,7 @@ const HALVINGS: u32 = 20;
 /// Amplitudes tried where the force attracts.
 const AMPLITUDES_TRIED: u32 = 32;
 /// Off resonance a sample may raise the amplitude: so often it is tried, by this factor.
-const AMPLITUDE_RAISES: (u32, f64) = (8, 1.3);
+const AMPLITUDE_RAISES: (usize, f64) = (8, 1.3);
 
 /// The motion that keeps `share` of the free amplitude while the sample takes no energy. Two real kappa give the share: a
 /// negative one, for a force that pushes where the tip is nearest, and a positive one.
@@ -76,11 +76,11 @@ struct Balance<'a> {
 impl Balance<'_> {
     /// The spring that takes a swing of `amplitude` (m) as the contact does, N/m. Its imaginary part is the loss.
     fn stiffness(&self, amplitude: f64) -> Complex<f64> {
-        let path: Vec<(f64, f64)> = path(self.gap / amplitude).collect();
+        let goes = || path(self.gap / amplitude);
         let (mut touching, mut sum) = (false, Complex::ZERO);
         // The tip comes and goes; it is nearest half a period after the top of its swing.
-        let comes = path.iter().rev().map(|(angle, share)| (-angle, share));
-        for (angle, share) in comes.chain(path.iter().map(|(angle, share)| (*angle, share))) {
+        let comes = goes().rev().map(|(angle, share)| (-angle, share));
+        for (angle, share) in comes.chain(goes()) {
             let turn = -Complex::from_polar(1.0, angle);
             let (depth, rate) =
                 (-self.gap - amplitude * turn.re, amplitude * self.driven.free.omega * turn.im);
@@ -99,16 +99,9 @@ impl Balance<'_> {
     /// The amplitude at balance, m.
     fn amplitude(&self) -> Option<f64> {
         let free = self.driven.free_amplitude();
-        let mut most = free;
-        for _ in 0..AMPLITUDE_RAISES.0 {
-            if self.miss(most) >= 0.0 {
-                break;
-            }
-            most *= AMPLITUDE_RAISES.1;
-        }
-        if self.miss(most).is_nan() || self.miss(most) < 0.0 {
-            return None;
-        }
+        let (raises, factor) = AMPLITUDE_RAISES;
+        let raised = std::iter::successors(Some(free), |amplitude| Some(factor * amplitude));
+        let most = raised.take(raises + 1).find(|amplitude| self.miss(*amplitude) >= 0.0)?;
         // Above this amplitude the force repels on the mean, below it attracts.
         let attracts = |amplitude: f64| self.stiffness(amplitude).re >= 0.0;
         let neutral = if attracts(most) { most } else { halved(1e-3 * free, most, attracts).0 };
@@ -126,7 +119,7 @@ impl Balance<'_> {
 /// Angles of half a period from the tip's nearest point on, and their weights in an integral, where the contact ends at the
 /// angle whose cosine is `gap` (in amplitudes). They are dense on both sides of it, where the force has its kinks and the
 /// attraction is strongest.
-fn path(gap: f64) -> impl Iterator<Item = (f64, f64)> {
+fn path(gap: f64) -> impl DoubleEndedIterator<Item = (f64, f64)> {
     let ends = gap.clamp(-1.0, 1.0).acos();
     let share = |n: u32| (f64::from(n) + 0.5) / f64::from(PATH_POINTS);
     let inside = (0..PATH_POINTS).rev().map(share).map(move |s| (ends * (1.0 - s * s), 2.0 * ends * s));
