@@ -26,12 +26,13 @@ pub(super) fn search_and_verify(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<(OrbitSolution, Vec<Unconverged>), EngineError> {
-    let (mut settled, left) = search_by_travel(plan, instances, begin, engine, progress)?;
+    let (mut settled, mut left) = search_by_travel(plan, instances, begin, engine, progress)?;
     settled.tighten_vague_forces(plan, instances, engine, progress)?;
+    left.extend(settled.drop_unconfirmed(plan, instances));
     Ok((settled, left))
 }
 
-/// The same, with a state confirmed by its travel alone.
+/// The same, with states confirmed by their travel alone. The results of those that nothing confirms are not steady.
 fn search_by_travel(
     plan: &Plan,
     instances: &[u32],
@@ -54,16 +55,12 @@ fn search_by_travel(
     };
     let unsure = settled.confirm_by_residual(plan, &chosen, engine, progress)?;
     settled.run_on(&plan.part(&unsure), &unsure, engine, progress)?;
-    let left = |settled: &OrbitSolution| -> Vec<u32> {
-        let stays = |i: u32| settled.outcome.results[i as usize].status.is_steady();
-        chosen.iter().copied().filter(|i| !stays(*i)).collect()
-    };
-    let rough = left(&settled);
+    let is_rough = |i: &u32| !settled.outcome.results[*i as usize].status.is_steady();
+    let rough: Vec<u32> = chosen.iter().copied().filter(is_rough).collect();
     if plan.precision == Precision::F32 && !rough.is_empty() && !progress.stopped() {
         // Rounding in f32 lets a weakly damped state drift too far.
         settled.run_on(&plan.part(&rough).in_precision(Precision::F64), &rough, double, progress)?;
     }
-    left(&settled).into_iter().for_each(|i| settled.drop_state(i));
     Ok((settled, searched.left))
 }
 
@@ -71,6 +68,22 @@ impl OrbitSolution {
     /// Forgets a state that a run does not confirm. The instance counts as not run, so that other starts follow.
     pub(super) fn drop_state(&mut self, i: u32) {
         (self.found[i as usize], self.outcome.results[i as usize]) = (None, Finished::NOT_RUN);
+    }
+
+    /// Forgets the states of `instances` that no run confirms, and returns these instances. Their motion begins anew.
+    fn drop_unconfirmed(&mut self, plan: &Plan, instances: &[u32]) -> Vec<Unconverged> {
+        let unconfirmed = |i: &u32| {
+            self.state(*i as usize).is_some() && !self.outcome.results[*i as usize].status.is_steady()
+        };
+        let dropped: Vec<u32> = instances.iter().copied().filter(unconfirmed).collect();
+        dropped.iter().for_each(|i| self.drop_state(*i));
+        let anew = |instance| Unconverged {
+            instance,
+            section: SectionState::free(plan, instance),
+            integrated: 0,
+            not_settling: false,
+        };
+        dropped.into_iter().map(anew).collect()
     }
 
     /// Measures one period of each of the states found of `chosen`, and takes it as the result where its residual confirms the
@@ -118,7 +131,7 @@ impl OrbitSolution {
     }
 
     /// Searches more closely for states whose forces depend on more digits of the travel than were found. Forces on a resting
-    /// tip are small differences of large numbers.
+    /// tip are small differences of large numbers. States that no run has confirmed are corrected, too.
     pub(super) fn tighten_vague_forces(
         &mut self,
         plan: &Plan,
@@ -126,7 +139,7 @@ impl OrbitSolution {
         engine: &dyn Engine,
         progress: &Progress,
     ) -> Result<(), EngineError> {
-        if plan.precision == Precision::F32 || !plan.wants.extremes || progress.stopped() {
+        if plan.precision == Precision::F32 || progress.stopped() {
             return Ok(());
         }
         let vague: Vec<u32> = instances.iter().copied().filter(|i| self.is_vague(plan, *i)).collect();
@@ -137,7 +150,9 @@ impl OrbitSolution {
         part.run.accuracy *= FORCE_TOL_SHARE;
         let near = gather(&self.found, &vague);
         let mut sharp = correct_own_states(&part, &near, engine, progress)?;
-        let open: Vec<u32> = part.instances().filter(|i| sharp.found[*i as usize].is_none()).collect();
+        let confirmed = |i: u32| self.outcome.results[vague[i as usize] as usize].status.is_steady();
+        let is_open = |i: &u32| sharp.found[*i as usize].is_none() && confirmed(*i);
+        let open: Vec<u32> = part.instances().filter(is_open).collect();
         let place = |i: &u32| near[*i as usize].map_or(SectionState::FREE, |state| state.section);
         let places: Vec<SectionState> = open.iter().map(place).collect();
         let rest = part.part(&open);
@@ -145,6 +160,7 @@ impl OrbitSolution {
         let (searched, _) =
             search_by_travel(&rest, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
         sharp.take(&open, searched);
+        sharp.drop_unconfirmed(&part, &open);
         self.outcome.notes.append(&mut sharp.outcome.notes);
         for (n, i) in vague.into_iter().map(|i| i as usize).enumerate() {
             self.periods[i] += sharp.periods[n];
@@ -155,14 +171,16 @@ impl OrbitSolution {
         Ok(())
     }
 
-    /// Whether the error bound of the state leaves much of its forces uncertain.
+    /// Whether no run has confirmed the state, or its error bound leaves much of its forces uncertain.
     fn is_vague(&self, plan: &Plan, i: u32) -> bool {
         let result = &self.outcome.results[i as usize];
+        if self.state(i as usize).is_none() || !result.status.is_steady() {
+            return self.state(i as usize).is_some();
+        }
         let (one, amplitude) = (&result.measured, plan.driven(i).free_amplitude());
         let shallow = one.indentation_max.min(one.harmonics[0]) < SHALLOW_AMPLITUDES * amplitude;
-        let known = result.status.is_steady() && self.state(i as usize).is_some();
-        shallow
-            && known
+        plan.wants.extremes
+            && shallow
             && residual::force_share(plan, i, one, residual::RESIDUAL_TOL * amplitude)
                 > VAGUE_FORCE_ACCURACIES
     }
@@ -211,4 +229,63 @@ pub(super) fn run_on(
     let mut outcome = engine.run(&from, progress)?;
     outcome.ends = Vec::new();
     Ok(outcome)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::period_map::distance;
+    use super::*;
+    use crate::observe::Status;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// A weakly damped tip that dips by half a percent of its swing into a stiff sample: its force needs more digits than its
+    /// travel. Truth: the state searched for a thousand times as closely.
+    #[test]
+    fn a_state_that_no_run_confirms_is_corrected_before_its_motion_begins_anew() {
+        let text = r#"
+            [instrument.cantilever]
+            modes = [{ stiffness = "40 N/m", frequency = "300 kHz", quality_factor = 2000 }]
+            [instrument.tip]
+            radius = "40 nm"
+            [sample]
+            youngs_modulus = "100 GPa"
+            [contact]
+            law = "hertz"
+            [drive]
+            on = "tip"
+            frequency = "300 kHz"
+            free_amplitude = "40 nm"
+            [approach]
+            gap = "20 nm"
+            [run]
+            steady = "search"
+            accuracy = 1e-3
+            [output]
+            observables = ["amplitude"]
+        "#;
+        let scene = Scene::parse(Path::new("dip.toml"), text).expect("the scene is whole");
+        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let (engine, progress) = (Cpu::default(), Progress::default());
+        let mut close = plan.clone();
+        close.run.accuracy *= FORCE_TOL_SHARE;
+        let truth = super::super::solve(&close, &[], &engine, &progress).expect("it runs");
+        let truth = truth.state(0).expect("a search finds it").section;
+        let mut settled = super::super::solve(&plan, &[], &engine, &progress).expect("it runs");
+        let amplitude = plan.driven(0).free_amplitude();
+        let off = |settled: &OrbitSolution| {
+            distance(&settled.state(0).expect("a state").section, &truth) / amplitude
+        };
+        settled.found[0].as_mut().expect("a search finds it").section.x[0] += 1e-6 * amplitude;
+        settled.outcome.results[0].status = Status::NotSteady;
+        assert!(off(&settled) > 5e-7, "{:e}", off(&settled));
+        settled.tighten_vague_forces(&plan, &[0], &engine, &progress).expect("it runs");
+        assert!(off(&settled) < 1e-9, "{:e}", off(&settled));
+        assert!(settled.drop_unconfirmed(&plan, &[0]).is_empty());
+        // Without a confirmation it begins anew, from the free oscillation.
+        settled.outcome.results[0].status = Status::NotSteady;
+        let dropped = settled.drop_unconfirmed(&plan, &[0]);
+        assert_eq!(dropped.iter().map(|one| (one.instance, one.integrated)).collect::<Vec<_>>(), [(0, 0)]);
+        assert!(settled.state(0).is_none());
+    }
 }
