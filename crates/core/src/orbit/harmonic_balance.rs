@@ -39,13 +39,27 @@ pub(super) fn conservative_orbit(plan: &Plan, instance: u32, share: f64, repulsi
 /// The motion of an instance at the balance of its own contact, if its lever rings long and there is a balance. If both
 /// branches have one, it is on the repulsive branch, to which the free oscillation mostly leads.
 pub(super) fn balanced_orbit(plan: &Plan, instance: u32) -> Option<SectionState> {
-    if LONG_DECAY_PERIODS * -free_multiplier(plan, instance).ln() > DECAY_EXPONENT {
+    balanced_at(plan, instance, |balance| balance.amplitude())
+}
+
+/// The same on the attractive branch.
+pub(super) fn attractive_orbit(plan: &Plan, instance: u32) -> Option<SectionState> {
+    balanced_at(plan, instance, |balance| balance.attractive_amplitude())
+}
+
+/// Whether the free motion of an instance's lever decays slowly.
+fn rings_long(plan: &Plan, instance: u32) -> bool {
+    LONG_DECAY_PERIODS * -free_multiplier(plan, instance).ln() <= DECAY_EXPONENT
+}
+
+/// The motion of an instance at the amplitude that `find` tells, if its lever rings long.
+fn balanced_at(plan: &Plan, instance: u32, find: impl Fn(&Balance) -> Option<f64>) -> Option<SectionState> {
+    if !rings_long(plan, instance) {
         return None;
     }
     let case = plan.case(instance);
     let balance = Balance { contact: &case.contact, gap: case.gap, driven: plan.driven(instance) };
-    let amplitude = balance.amplitude()?;
-    let kappa = balance.stiffness(amplitude);
+    let kappa = balance.stiffness(find(&balance)?);
     kappa.is_finite().then(|| orbit_under(plan, instance, kappa))
 }
 
@@ -96,8 +110,34 @@ impl Balance<'_> {
         left.norm() * amplitude - self.driven.free_amplitude()
     }
 
+    /// Whether the drive is too strong for a swing of `amplitude`, which then grows.
+    fn drives_on(&self, amplitude: f64) -> bool {
+        self.miss(amplitude) < 0.0
+    }
+
     /// The amplitude at balance, m.
     fn amplitude(&self) -> Option<f64> {
+        let (neutral, most) = self.neutral_and_most()?;
+        if self.drives_on(neutral) {
+            return Some(halved(neutral, most, |amplitude| self.drives_on(amplitude)).1);
+        }
+        // Also where the force attracts there may be several amplitudes; the tip taps at the largest one.
+        let tried = |n: u32| neutral * tried_share(n);
+        let low = (1..AMPLITUDES_TRIED).rev().find(|n| self.drives_on(tried(*n)))?;
+        Some(halved(tried(low), tried(low + 1), |amplitude| self.drives_on(amplitude)).1)
+    }
+
+    /// The amplitude at balance on the attractive branch, m.
+    fn attractive_amplitude(&self) -> Option<f64> {
+        let (neutral, _) = self.neutral_and_most()?;
+        let tried = |n: u32| neutral * tried_share(n);
+        let high = (1..=AMPLITUDES_TRIED).find(|n| !self.drives_on(tried(*n)))?;
+        Some(halved(tried(high - 1), tried(high), |amplitude| self.drives_on(amplitude)).1)
+    }
+
+    /// The amplitude above which the force repels on the mean and below which it attracts, and one that is too large for a
+    /// balance, m.
+    fn neutral_and_most(&self) -> Option<(f64, f64)> {
         let free = self.driven.free_amplitude();
         let (raises, factor) = AMPLITUDE_RAISES;
         let raised = std::iter::successors(Some(free), |amplitude| Some(factor * amplitude));
@@ -105,15 +145,14 @@ impl Balance<'_> {
         // Above this amplitude the force repels on the mean, below it attracts.
         let attracts = |amplitude: f64| self.stiffness(amplitude).re >= 0.0;
         let neutral = if attracts(most) { most } else { halved(1e-3 * free, most, attracts).0 };
-        let weak = |amplitude: f64| self.miss(amplitude) < 0.0;
-        if weak(neutral) {
-            return Some(halved(neutral, most, weak).1);
-        }
-        // Also where the force attracts there may be several amplitudes; the tip taps at the largest one.
-        let tried = |n: u32| neutral * f64::from(n) / f64::from(AMPLITUDES_TRIED);
-        let low = (1..AMPLITUDES_TRIED).rev().find(|n| weak(tried(*n)))?;
-        Some(halved(tried(low), tried(low + 1), weak).1)
+        Some((neutral, most))
     }
+}
+
+/// Share of the neutral amplitude that is tried as number n of [`AMPLITUDES_TRIED`]: dense near the neutral one, where the
+/// attraction is strongest.
+fn tried_share(n: u32) -> f64 {
+    1.0 - (1.0 - f64::from(n) / f64::from(AMPLITUDES_TRIED)).powi(2)
 }
 
 /// Angles of half a period from the tip's nearest point on, and their weights in an integral, where the contact ends at the
@@ -205,6 +244,12 @@ mod tests {
         assert!(lost("jkr") < -1e-12, "{}", lost("jkr"));
     }
 
+    /// The swing of a lever with the spring that its contact is at this amplitude.
+    fn swing(balance: &Balance, amplitude: f64) -> Complex<f64> {
+        let free = &balance.driven.free;
+        free.tip / (1.0 - free.compliance * balance.stiffness(amplitude))
+    }
+
     /// Truth: the drive's force and the contact's on the lever add up to what it answers with its own compliance.
     #[test]
     fn drive_and_contact_are_in_balance() {
@@ -212,13 +257,26 @@ mod tests {
             let plan = plan(law);
             let (swing, free) = with_balance(&plan, 17e-9, |one| {
                 let amplitude = one.amplitude().expect("a balance exists");
-                let free = &one.driven.free;
-                let swing = free.tip / (1.0 - free.compliance * one.stiffness(amplitude));
+                let swing = swing(&one, amplitude);
                 assert!((swing.norm() / amplitude - 1.0).abs() < 1e-4, "{law}: {swing} {amplitude}");
-                (swing, free.amplitude)
+                (swing, one.driven.free.amplitude)
             });
             // It taps, and the sample holds it back.
             assert!(17e-9 < swing.norm() && swing.norm() < 0.95 * free, "{law}: {}", swing.norm());
         }
+    }
+
+    /// Truth: the same, where the tip hovers and the attraction of an inverse square pulls at it.
+    #[test]
+    fn a_hovering_tip_is_in_balance() {
+        let plan = plan("dmt");
+        let (amplitude, swing) = with_balance(&plan, 18.5e-9, |one| {
+            let amplitude = one.attractive_amplitude().expect("a balance exists");
+            (amplitude, swing(&one, amplitude))
+        });
+        assert!((swing.norm() / amplitude - 1.0).abs() < 1e-4, "{swing} {amplitude}");
+        assert!(17e-9 < amplitude && amplitude < 18.5e-9, "{amplitude}");
+        // Nothing attracts under this law.
+        assert_eq!(with_balance(&self::plan("hertz"), 18.5e-9, |one| one.attractive_amplitude()), None);
     }
 }

@@ -1,6 +1,7 @@
 //! The periodic state of each instance, by integration to steady state or by a search that a run confirms.
 
 mod continuation;
+mod drift;
 mod envelope_solver;
 mod harmonic_balance;
 mod initial_guess;

@@ -1,8 +1,11 @@
 //! Instances without a state are integrated on from the start of their last search, and examined at checkpoints. A motion that
-//! settles is searched for again early; one that shows no sign of settling is given up. Very slow motions are first followed
-//! in long steps (`envelope_solver.rs`).
+//! settles is searched for again early; one that shows no sign of settling is given up. Very slow motions mostly have lost the
+//! tapping state that searches looked for: they are first searched for at the attractive branch's balance, then followed in
+//! long steps (`envelope_solver.rs`).
 
+use super::drift::Drift;
 use super::envelope_solver::{EnvelopeStart, follow_and_search, is_slow, max_evaluations};
+use super::harmonic_balance::attractive_orbit;
 use super::initial_guess::{InitialGuess, Unconverged};
 use super::period_map::{PeriodMap, transfer_section};
 use super::verification::search_and_verify;
@@ -22,43 +25,6 @@ const MIN_DECAY_PERIODS: u32 = 96;
 const FIRST_SEARCH_PERIODS: u32 = 192;
 /// Searches from checkpoints. An instance that none of them finds is integrated to steady state.
 const MAX_SEARCHES: usize = 4;
-/// A motion shows no sign of settling if its change per period exceeds this share of that at the last checkpoint ...
-const SETTLING_RATIO: f64 = 0.5;
-/// ... unless it is a drift, in which each change resembles the one before. Of 554 instances under JKR that never settle nine
-/// in ten turn by more than 0.8 of their change.
-const MAX_TURN: f64 = 0.5;
-/// A motion this still, in accuracies of the free amplitude, is always searched for: it may pass for steady.
-const REST_TOL: f64 = 0.3;
-
-/// The change of a motion from period to period.
-#[derive(Clone, Copy, Debug)]
-struct Drift {
-    /// Mean change, in free amplitudes.
-    change: f64,
-    /// Change of the change, as a share of it.
-    turns: f64,
-}
-
-impl Drift {
-    /// The drift of section states that are one period apart.
-    fn of(places: &[SectionState], amplitude: f64) -> Self {
-        let numbers = |one: &SectionState| one.x.into_iter().chain(one.u).collect::<Vec<f64>>();
-        let all: Vec<Vec<f64>> = places.iter().map(numbers).collect();
-        let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
-        let size = |of: &[f64]| of.iter().map(|number| number * number).sum::<f64>().sqrt();
-        let changes: Vec<Vec<f64>> = all.windows(2).map(|two| minus(&two[1], &two[0])).collect();
-        let turned: f64 = changes.windows(2).map(|two| size(&minus(&two[1], &two[0]))).sum();
-        let mean = changes.iter().map(|change| size(change)).sum::<f64>() / changes.len() as f64;
-        Self { change: mean / amplitude, turns: turned / (changes.len() - 1) as f64 / mean }
-    }
-
-    /// Whether a motion with this drift, and the drift `before` at the last checkpoint, will not settle.
-    fn is_unsettled(&self, before: &Self, accuracy: f64) -> bool {
-        self.change > REST_TOL * accuracy
-            && self.turns > MAX_TURN
-            && self.change > SETTLING_RATIO * before.change
-    }
-}
 
 /// An instance that is being integrated.
 struct Settling {
@@ -128,6 +94,9 @@ struct CheckpointRun<'a> {
 impl CheckpointRun<'_> {
     /// Runs a group of instances with the same decay periods.
     fn settle_group(&mut self, mut going: Vec<Settling>, pace: u32) -> Result<(), EngineError> {
+        if is_slow(pace) {
+            going = self.search_attractive(going)?;
+        }
         for (on, judged) in checkpoints(pace) {
             let in_time = |one: &Settling| one.left.integrated + on + CHECK_PERIODS <= self.plan.run.periods;
             let (fit, late): (Vec<Settling>, Vec<Settling>) = going.into_iter().partition(in_time);
@@ -221,12 +190,36 @@ impl CheckpointRun<'_> {
 
     /// Searches for these instances from their present states; returns those without a periodic state.
     fn search_from_here(&mut self, going: Vec<Settling>) -> Result<Vec<Settling>, EngineError> {
-        let instances: Vec<u32> = going.iter().map(|one| one.left.instance).collect();
         let places: Vec<SectionState> = going.iter().map(|one| one.left.section).collect();
+        self.search_from(going, InitialGuess::Integrated(&places))
+    }
+
+    /// Searches for these instances at the attractive branch's balance; returns those without a periodic state.
+    fn search_attractive(&mut self, going: Vec<Settling>) -> Result<Vec<Settling>, EngineError> {
+        let (mut balanced, mut places, mut rest) = (Vec::new(), Vec::new(), Vec::new());
+        for one in going {
+            match attractive_orbit(self.plan, one.left.instance) {
+                None => rest.push(one),
+                Some(place) => {
+                    balanced.push(one);
+                    places.push(place);
+                }
+            }
+        }
+        rest.extend(self.search_from(balanced, InitialGuess::PointsOnly(&places))?);
+        Ok(rest)
+    }
+
+    /// The same, from these guesses.
+    fn search_from(
+        &mut self,
+        going: Vec<Settling>,
+        begin: InitialGuess,
+    ) -> Result<Vec<Settling>, EngineError> {
+        let instances: Vec<u32> = going.iter().map(|one| one.left.instance).collect();
         let part = self.plan.part(&instances);
         let all: Vec<u32> = part.instances().collect();
-        let (ran, _) =
-            search_and_verify(&part, &all, InitialGuess::Integrated(&places), self.engine, self.progress)?;
+        let (ran, _) = search_and_verify(&part, &all, begin, self.engine, self.progress)?;
         let is_found: Vec<bool> = ran.found.iter().map(Option::is_some).collect();
         self.settled.take(&instances, ran);
         Ok(going.into_iter().zip(is_found).filter(|(_, is_found)| !is_found).map(|(one, _)| one).collect())
@@ -371,29 +364,5 @@ mod tests {
             assert_eq!(until, pace + CHECK_PERIODS);
             assert!(all[judged + 2..].iter().all(|look| *look == (pace, true)));
         }
-    }
-
-    /// The drift of a motion whose first number is `of(n)` after n periods.
-    fn look(of: impl Fn(f64) -> f64) -> Drift {
-        let place = |n: u32| {
-            let mut station = SectionState::FREE;
-            station.x[0] = of(f64::from(n));
-            station
-        };
-        Drift::of(&(0..=CHECK_PERIODS).map(place).collect::<Vec<_>>(), 1.0)
-    }
-
-    #[test]
-    fn what_alternates_wanders_and_what_drifts_or_fades_does_not() {
-        let (accuracy, turn) = (1e-3, |n: f64| if n % 2.0 == 0.0 { 0.05 } else { -0.05 });
-        let alternates = look(turn);
-        assert!((alternates.change - 0.1).abs() < 1e-12 && (alternates.turns - 2.0).abs() < 1e-12);
-        assert!(alternates.is_unsettled(&alternates, accuracy));
-        let drifts = look(|n| 0.01 * n);
-        assert!(drifts.turns < 1e-9 && !drifts.is_unsettled(&drifts, accuracy));
-        let fades = look(|n| 0.4 * turn(n));
-        assert!(!fades.is_unsettled(&alternates, accuracy));
-        let still = look(|n| 1e-3 * turn(n));
-        assert!(!still.is_unsettled(&still, accuracy));
     }
 }
