@@ -9,6 +9,7 @@ use super::orbit_transfer;
 use super::tolerances::free_multiplier;
 use crate::contact::Contact;
 use crate::kernel::MODES_MAX;
+use crate::periodic::root_within;
 use crate::plan::{Driven, KeptMode, Plan, SectionState};
 use nalgebra::Complex;
 use std::f64::consts::PI;
@@ -18,8 +19,12 @@ const LONG_DECAY_PERIODS: f64 = 64.0;
 const DECAY_EXPONENT: f64 = 2.0;
 /// Points at which the force is taken on the way to the nearest point and back, in contact and outside.
 const PATH_POINTS: u32 = 32;
-/// Halvings of an interval of amplitudes: to a millionth of it.
-const HALVINGS: u32 = 20;
+/// An amplitude is at balance if it needs a drive that is the present one but for this share.
+const BALANCE_TOL: f64 = 1e-6;
+/// Halvings that tell the amplitude of no force on the mean, between touching and the largest amplitude.
+const NEUTRAL_HALVINGS: u32 = 16;
+/// Least amplitude looked at, in free amplitudes.
+const LEAST_AMPLITUDE: f64 = 1e-3;
 /// Amplitudes tried where the force attracts.
 const AMPLITUDES_TRIED: u32 = 32;
 /// Off resonance a sample may raise the amplitude: so often it is tried, by this factor.
@@ -93,14 +98,20 @@ impl Balance<'_> {
         let goes = || path(self.gap / amplitude);
         let (mut touching, mut sum) = (false, Complex::ZERO);
         // The tip comes and goes; it is nearest half a period after the top of its swing.
-        let comes = goes().rev().map(|(angle, share)| (-angle, share));
-        for (angle, share) in comes.chain(goes()) {
+        let mut add = |angle: f64, share: f64| {
             let turn = -Complex::from_polar(1.0, angle);
             let (depth, rate) =
                 (-self.gap - amplitude * turn.re, amplitude * self.driven.free.omega * turn.im);
             touching = self.contact.next_contact(depth, touching);
             sum += turn.conj() * (self.contact.force_moving(depth, rate, touching) * share);
+        };
+        let reversible = !self.contact.law.has_hysteresis() && self.contact.retardation == 0.0;
+        if !reversible {
+            goes().rev().for_each(|(angle, share)| add(-angle, share));
         }
+        goes().for_each(|(angle, share)| add(angle, share));
+        // The way there has the same forces as the way back.
+        let sum = if reversible { Complex::from(2.0 * sum.re) } else { sum };
         sum / (PI * amplitude)
     }
 
@@ -115,37 +126,67 @@ impl Balance<'_> {
         self.miss(amplitude) < 0.0
     }
 
+    /// Whether the force attracts on the mean over a swing of `amplitude`.
+    fn attracts(&self, amplitude: f64) -> bool {
+        self.stiffness(amplitude).re >= 0.0
+    }
+
     /// The amplitude at balance, m.
     fn amplitude(&self) -> Option<f64> {
-        let (neutral, most) = self.neutral_and_most()?;
+        let (touching, most) = self.touching_and_most()?;
+        if self.drives_on(touching) && touching < most {
+            // Mostly there is no balance between touching and this one.
+            let amplitude = self.between(touching, most);
+            if !self.attracts(amplitude) {
+                return Some(amplitude);
+            }
+        }
+        let neutral = self.neutral(touching, most);
         if self.drives_on(neutral) {
-            return Some(halved(neutral, most, |amplitude| self.drives_on(amplitude)).1);
+            return Some(self.between(neutral, most));
         }
         // Also where the force attracts there may be several amplitudes; the tip taps at the largest one.
         let tried = |n: u32| neutral * tried_share(n);
         let low = (1..AMPLITUDES_TRIED).rev().find(|n| self.drives_on(tried(*n)))?;
-        Some(halved(tried(low), tried(low + 1), |amplitude| self.drives_on(amplitude)).1)
+        Some(self.between(tried(low), tried(low + 1)))
     }
 
     /// The amplitude at balance on the attractive branch, m.
     fn attractive_amplitude(&self) -> Option<f64> {
-        let (neutral, _) = self.neutral_and_most()?;
+        let (touching, most) = self.touching_and_most()?;
+        let neutral = self.neutral(touching, most);
         let tried = |n: u32| neutral * tried_share(n);
         let high = (1..=AMPLITUDES_TRIED).find(|n| !self.drives_on(tried(*n)))?;
-        Some(halved(tried(high - 1), tried(high), |amplitude| self.drives_on(amplitude)).1)
+        Some(self.between(tried(high - 1), tried(high)))
     }
 
-    /// The amplitude above which the force repels on the mean and below which it attracts, and one that is too large for a
-    /// balance, m.
-    fn neutral_and_most(&self) -> Option<(f64, f64)> {
+    /// The amplitude at balance between one that grows and one that does not, m.
+    fn between(&self, low: f64, high: f64) -> f64 {
+        let close = BALANCE_TOL * self.driven.free_amplitude();
+        root_within(low, high, close, |amplitude| self.miss(amplitude))
+    }
+
+    /// The amplitude of a tip that just touches, and one that is too large for a balance, m.
+    fn touching_and_most(&self) -> Option<(f64, f64)> {
         let free = self.driven.free_amplitude();
         let (raises, factor) = AMPLITUDE_RAISES;
         let raised = std::iter::successors(Some(free), |amplitude| Some(factor * amplitude));
         let most = raised.take(raises + 1).find(|amplitude| self.miss(*amplitude) >= 0.0)?;
-        // Above this amplitude the force repels on the mean, below it attracts.
-        let attracts = |amplitude: f64| self.stiffness(amplitude).re >= 0.0;
-        let neutral = if attracts(most) { most } else { halved(1e-3 * free, most, attracts).0 };
-        Some((neutral, most))
+        Some((self.gap.clamp(LEAST_AMPLITUDE * free, most), most))
+    }
+
+    /// The amplitude above which the force repels on the mean and below which it attracts, from that of touching to the
+    /// largest one, m.
+    fn neutral(&self, touching: f64, most: f64) -> f64 {
+        if self.attracts(most) {
+            return most;
+        }
+        let (mut low, mut high) = (touching, most);
+        for _ in 0..NEUTRAL_HALVINGS {
+            let middle = 0.5 * (low + high);
+            *if self.attracts(middle) { &mut low } else { &mut high } = middle;
+        }
+        low
     }
 }
 
@@ -165,19 +206,6 @@ fn path(gap: f64) -> impl DoubleEndedIterator<Item = (f64, f64)> {
     let left = PI - ends;
     let outside = (0..PATH_POINTS).map(share).map(move |s| (ends + left * s * s * s, 3.0 * left * s * s));
     inside.chain(outside).map(|(angle, weight)| (angle, weight / f64::from(PATH_POINTS)))
-}
-
-/// Halves an interval at whose `low` end `holds` is true and at whose `high` end it is false.
-fn halved(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> (f64, f64) {
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if holds(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    (low, high)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 mod envelope;
 mod floquet;
 mod inverse;
+mod line_search;
 mod newton_jacobian;
 mod newton_options;
 mod pseudo_transient;
@@ -16,6 +17,7 @@ mod size;
 pub use envelope::{Envelope, EnvelopeEnd, EnvelopeOptions};
 pub use floquet::Floquet;
 pub use inverse::inverse;
+pub(crate) use line_search::{highest, root, root_within};
 pub use newton_options::NewtonOptions;
 pub use pseudo_transient::{Failure, FixedPoint, PtcNewton, PtcOutcome};
 pub use size::{Memory, Size};

@@ -1,9 +1,9 @@
 //! Measures a period from its steps and their continuous extensions.
 
 use super::dop853::Dense;
-use super::line_search::{highest, root};
 use super::system::System;
 use crate::observe::{HARMONICS, Wants};
+use crate::periodic::{highest, root};
 
 /// Gauss-Legendre points and weights on 0 to 1, eight and four of them.
 const GAUSS_8: [(f64, f64); 8] = [

@@ -7,7 +7,6 @@
 
 mod dop853;
 mod indenter;
-mod line_search;
 mod meter;
 mod reference_fixed_point;
 mod reference_force;

@@ -2,9 +2,9 @@
 
 use super::Work;
 use super::dop853::Dop853;
-use super::line_search::root;
 use super::meter::{DenseStep, Meter};
 use super::system::System;
+use crate::periodic::root;
 use std::f64::consts::TAU;
 
 /// Longest step, rad: the tenth harmonic turns by 4 in it, which eight points sum to rounding.

@@ -1,15 +1,19 @@
 //! Roots and maxima of a function of one number.
 
-/// A root between `a` and `b`, where the function has different signs or is zero: bisection made faster by secants (Illinois),
-/// to rounding.
-pub fn root(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
+/// A root between `a` and `b`, where the function has different signs or is zero, to rounding.
+pub fn root(a: f64, b: f64, function: impl Fn(f64) -> f64) -> f64 {
+    root_within(a, b, 0.0, function)
+}
+
+/// The same, or a place where the function is no larger than `small`: bisection made faster by secants (Illinois).
+pub fn root_within(mut a: f64, mut b: f64, small: f64, function: impl Fn(f64) -> f64) -> f64 {
     let (mut fa, mut fb) = (function(a), function(b));
     let mut side = 0;
     for step in 0..200 {
-        if fa == 0.0 {
+        if fa.abs() <= small {
             return a;
         }
-        if fb == 0.0 || (b - a).abs() <= 2.0 * f64::EPSILON * b.abs() {
+        if fb.abs() <= small || (b - a).abs() <= 2.0 * f64::EPSILON * b.abs() {
             return b;
         }
         // A bisection replaces a secant that stalls.
