@@ -18,9 +18,9 @@ use std::f64::consts::PI;
 const LONG_DECAY_PERIODS: f64 = 64.0;
 const DECAY_EXPONENT: f64 = 2.0;
 /// Points at which the force is taken on the way to the nearest point and back, in contact and outside.
-const PATH_POINTS: u32 = 32;
+const PATH_POINTS: u32 = 16;
 /// An amplitude is at balance if it needs a drive that is the present one but for this share.
-const BALANCE_TOL: f64 = 1e-6;
+const BALANCE_TOL: f64 = 1e-5;
 /// Halvings that tell the amplitude of no force on the mean, between touching and the largest amplitude.
 const NEUTRAL_HALVINGS: u32 = 16;
 /// Least amplitude looked at, in free amplitudes.
