@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 /// A lever rings long if its free motion takes so many periods to decay by this exponent: from a quality factor of 100 on.
 const LONG_DECAY_PERIODS: f64 = 64.0;
 const DECAY_EXPONENT: f64 = 2.0;
-/// Points at which the force is taken on the way to the nearest point and back, in contact and outside.
+/// Points at which the force is taken on either way, to the nearest point and back: so many in contact, and so many outside.
 const PATH_POINTS: u32 = 16;
 /// An amplitude is at balance if it needs a drive that is the present one but for this share.
 const BALANCE_TOL: f64 = 1e-5;
@@ -134,7 +134,7 @@ impl Balance<'_> {
     /// The amplitude at balance, m.
     fn amplitude(&self) -> Option<f64> {
         let (touching, most) = self.touching_and_most()?;
-        if self.drives_on(touching) && touching < most {
+        if self.drives_on(touching) {
             // Mostly there is no balance between touching and this one.
             let amplitude = self.between(touching, most);
             if !self.attracts(amplitude) {

@@ -113,3 +113,10 @@ pub(super) struct Unconverged {
     /// Whether its motion shows no sign of settling.
     pub not_settling: bool,
 }
+
+impl Unconverged {
+    /// An instance whose motion begins anew, at its free oscillation.
+    pub fn anew(plan: &Plan, instance: u32) -> Self {
+        Self { instance, section: SectionState::free(plan, instance), integrated: 0, not_settling: false }
+    }
+}

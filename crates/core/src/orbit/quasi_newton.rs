@@ -85,9 +85,7 @@ pub(super) fn correct_travel(
     if plan.precision == Precision::F64 && !progress.stopped() {
         let unsure = settled.confirm_by_residual(plan, &anew, double, progress)?;
         settled.run_on(&plan.part(&unsure), &unsure, double, progress)?;
-        let fails = |i: &u32| !settled.outcome.results[*i as usize].status.is_steady();
-        let lost: Vec<u32> = unsure.into_iter().filter(fails).collect();
-        lost.into_iter().for_each(|i| settled.drop_state(i));
+        settled.drop_unconfirmed(&unsure);
     }
     Ok(settled)
 }

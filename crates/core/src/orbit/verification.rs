@@ -28,7 +28,8 @@ pub(super) fn search_and_verify(
 ) -> Result<(OrbitSolution, Vec<Unconverged>), EngineError> {
     let (mut settled, mut left) = search_by_travel(plan, instances, begin, engine, progress)?;
     settled.tighten_vague_forces(plan, instances, engine, progress)?;
-    left.extend(settled.drop_unconfirmed(plan, instances));
+    let dropped = settled.drop_unconfirmed(instances);
+    left.extend(dropped.into_iter().map(|i| Unconverged::anew(plan, i)));
     Ok((settled, left))
 }
 
@@ -70,20 +71,14 @@ impl OrbitSolution {
         (self.found[i as usize], self.outcome.results[i as usize]) = (None, Finished::NOT_RUN);
     }
 
-    /// Forgets the states of `instances` that no run confirms, and returns these instances. Their motion begins anew.
-    fn drop_unconfirmed(&mut self, plan: &Plan, instances: &[u32]) -> Vec<Unconverged> {
+    /// Forgets the states of `instances` that no run confirms, and returns these instances.
+    pub(super) fn drop_unconfirmed(&mut self, instances: &[u32]) -> Vec<u32> {
         let unconfirmed = |i: &u32| {
             self.state(*i as usize).is_some() && !self.outcome.results[*i as usize].status.is_steady()
         };
         let dropped: Vec<u32> = instances.iter().copied().filter(unconfirmed).collect();
         dropped.iter().for_each(|i| self.drop_state(*i));
-        let anew = |instance| Unconverged {
-            instance,
-            section: SectionState::free(plan, instance),
-            integrated: 0,
-            not_settling: false,
-        };
-        dropped.into_iter().map(anew).collect()
+        dropped
     }
 
     /// Measures one period of each of the states found of `chosen`, and takes it as the result where its residual confirms the
@@ -160,7 +155,7 @@ impl OrbitSolution {
         let (searched, _) =
             search_by_travel(&rest, &all, InitialGuess::PointsOnly(&places), engine, progress)?;
         sharp.take(&open, searched);
-        sharp.drop_unconfirmed(&part, &open);
+        sharp.drop_unconfirmed(&open);
         self.outcome.notes.append(&mut sharp.outcome.notes);
         for (n, i) in vague.into_iter().map(|i| i as usize).enumerate() {
             self.periods[i] += sharp.periods[n];
@@ -281,11 +276,11 @@ mod tests {
         assert!(off(&settled) > 5e-7, "{:e}", off(&settled));
         settled.tighten_vague_forces(&plan, &[0], &engine, &progress).expect("it runs");
         assert!(off(&settled) < 1e-9, "{:e}", off(&settled));
-        assert!(settled.drop_unconfirmed(&plan, &[0]).is_empty());
-        // Without a confirmation it begins anew, from the free oscillation.
+        assert!(settled.drop_unconfirmed(&[0]).is_empty());
         settled.outcome.results[0].status = Status::NotSteady;
-        let dropped = settled.drop_unconfirmed(&plan, &[0]);
-        assert_eq!(dropped.iter().map(|one| (one.instance, one.integrated)).collect::<Vec<_>>(), [(0, 0)]);
+        assert_eq!(settled.drop_unconfirmed(&[0]), [0]);
+        let anew = Unconverged::anew(&plan, 0);
+        assert_eq!((anew.instance, anew.integrated), (0, 0));
         assert!(settled.state(0).is_none());
     }
 }
