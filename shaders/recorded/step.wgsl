@@ -21,11 +21,13 @@ struct Case {
     shift_x_1: real,
     shift_u_0: real,
     shift_u_1: real,
+    corner: real,
     work_x_0: real,
     work_x_1: real,
     work_u_0: real,
     work_u_1: real,
     kick_paid: real,
+    mean_corner: real,
     free_cosine: real,
     free_sine: real,
     free_rate: real,
@@ -55,11 +57,13 @@ fn case_of(i: u32) -> Case {
         drives[DRIVE_SHIFT_X_1 * job.drives + row],
         drives[DRIVE_SHIFT_U_0 * job.drives + row],
         drives[DRIVE_SHIFT_U_1 * job.drives + row],
+        drives[DRIVE_CORNER * job.drives + row],
         drives[DRIVE_WORK_X_0 * job.drives + row],
         drives[DRIVE_WORK_X_1 * job.drives + row],
         drives[DRIVE_WORK_U_0 * job.drives + row],
         drives[DRIVE_WORK_U_1 * job.drives + row],
         drives[DRIVE_KICK_PAID * job.drives + row],
+        drives[DRIVE_MEAN_CORNER * job.drives + row],
         drives[DRIVE_FREE_COSINE * job.drives + row],
         drives[DRIVE_FREE_SINE * job.drives + row],
         drives[DRIVE_FREE_RATE * job.drives + row],
@@ -127,6 +131,6 @@ fn sampled(lever: Case, met: Met, kick: Kick) -> Sample {
     let t1 = -met.at.speed;
     let t2 = -met.at.acceleration;
     let t3 = kick.impulse * (lever.kick_paid * kick.impulse + t1 - met.excess);
-    let t4 = kick.impulse * (-t2 * TWENTY_FOURTH + (met.steady + met.beyond));
-    return Sample(TWENTY_FOURTH * kick.impulse + met.beyond, -TWENTY_FOURTH * kick.impulse + met.at.indentation, -t2 * kick.shift + t3, -kick.shift * (HALF * kick.impulse + t1) + t4, ZERO, ZERO, kick);
+    let t4 = -t2 * TWENTY_FOURTH + (lever.mean_corner * kick.impulse + (met.steady + met.beyond));
+    return Sample(lever.corner * kick.impulse + met.beyond, -lever.corner * kick.impulse + met.at.indentation, -t2 * kick.shift + t3, -kick.shift * (HALF * kick.impulse + t1) + kick.impulse * t4, ZERO, ZERO, kick);
 }

@@ -25,15 +25,13 @@ const TOO_LOW: f64 = 3.0;
 enum Expect {
     /// Ok by both engines, errors within the accuracy asked for, and the case is what it is meant to be.
     Within(fn(&Measured) -> bool),
-    /// The same in f64; rounding in f32 costs too much, and the run says so.
-    InDouble(fn(&Measured) -> bool),
     /// A status; if it is `NotSteady` the reference has to say so too.
     Says(Status),
     /// The same without the reference, whose steps follow the fastest of all modes; in f64 and in f32.
     SaysAlone([Status; 2]),
 }
 
-use Expect::{InDouble, Says, SaysAlone, Within};
+use Expect::{Says, SaysAlone, Within};
 
 const CASES: &[(&str, Expect)] = &[
     ("adhesion_0", Within(taps)),
@@ -101,13 +99,13 @@ const CASES: &[(&str, Expect)] = &[
     ("bounces_dmt", Within(touches)),
     ("bounces_hertz", Within(touches)),
     ("bounces_jkr", Within(touches)),
-    ("soft_0.03_dmt", InDouble(touches)),
+    ("soft_0.03_dmt", Within(touches)),
     ("soft_0.03_hertz", Within(touches)),
     ("soft_0.03_jkr", Within(touches)),
     ("soft_0.05_dmt", Within(touches)),
     ("soft_0.05_graze", Within(touches)),
     ("soft_0.05_jkr", Within(touches)),
-    ("soft_0.09_stuck", InDouble(touches)),
+    ("soft_0.09_stuck", Within(touches)),
     ("soft_0.19_jkr", Within(touches)),
     ("soft_0.1_dmt", Within(touches)),
     ("soft_0.1_hertz", Within(touches)),
@@ -198,7 +196,7 @@ fn judge(name: &str, expect: Expect) -> (String, Vec<String>) {
     let double = checks::plan(&scene, None);
     let accuracy = double.run.accuracy;
     // The other statuses say nothing that the reference would know, and its steps follow the fastest mode for long.
-    let compared = matches!(expect, Within(_) | InDouble(_) | Says(Status::NotSteady));
+    let compared = matches!(expect, Within(_) | Says(Status::NotSteady));
     let reference = compared.then(|| truth(&double));
     let mut line = format!("{name:<20}");
     for precision in [Precision::F64, Precision::F32] {
@@ -217,7 +215,6 @@ fn judge(name: &str, expect: Expect) -> (String, Vec<String>) {
         let says = match expect {
             Says(status) => Some(status),
             SaysAlone(both) => Some(both[usize::from(precision == Precision::F32)]),
-            InDouble(_) if precision == Precision::F32 => Some(Status::AccuracyNotMet),
             _ => None,
         };
         if let Some(status) = says {
@@ -241,7 +238,7 @@ fn judge(name: &str, expect: Expect) -> (String, Vec<String>) {
         if error > TOO_LOW * estimate.max(0.1 * accuracy) {
             say(format!("{which:?} off by {error:.1e}, estimated {estimate:.1e}"));
         }
-        if let Within(is_meant) | InDouble(is_meant) = expect
+        if let Within(is_meant) = expect
             && !is_meant(&finished.measured)
         {
             say(format!("not the case meant: {:?}", finished.measured));

@@ -12,9 +12,10 @@ use afmsweep::engine::gpu::AdapterReport;
 use afmsweep::engine::{Cpu, Engine, Progress};
 use afmsweep::observe::Status;
 use afmsweep::orbit::{self, OrbitSolution, PeriodicState};
-use afmsweep::plan::Precision;
+use afmsweep::plan::{BasisRule, KeptMode, Precision};
 use afmsweep::scene::{QualityFactor, Scene, Start, Steady};
 use libtest_mimic::{Failed, Trial};
+use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Duration;
 
@@ -39,6 +40,38 @@ fn same_bits(modes: usize, precision: Precision, composed: bool) -> Result<(), F
         }
     }
     println!("{modes} modes, {}: {all} of {all} instances identical", precision.name());
+    Ok(())
+}
+
+/// The same where steps meet fast oscillators by their means. What the shader reads off a lever then differs from a constant, and
+/// a fault planted there shows.
+fn same_bits_by_means(precision: Precision) -> Result<(), Failed> {
+    let mut all = 0;
+    for law in ["dmt", "jkr"] {
+        for start in ["steady", "rest"] {
+            let plan = checks::plan_in(&long(law, start, 4), None, precision);
+            let rule = BasisRule::Contact { rate: 40.0 * plan.drives[0].free.omega, count: 4 };
+            let wanted: Vec<(u32, BasisRule)> = plan.instances().map(|i| (i, rule)).collect();
+            let plan = plan.with_bases_alone(&wanted);
+            let driven = plan.driven(0);
+            let step = TAU / (driven.free.omega * f64::from(plan.steps(0)));
+            let is_mean = |mode: &KeptMode| driven.kept.stored_share(mode, step) != 1.0;
+            assert!(driven.kept.modes.iter().any(is_mean) && !driven.kept.modes.iter().all(is_mean));
+            let what = format!("{law}, {start}, by means, {}", precision.name());
+            all += same(&on(&gpu(), &plan).results, &cpu(&plan), &what)?;
+            for (number, slow) in [("lever.corner", "TWENTY_FOURTH"), ("lever.mean_corner", "ZERO")] {
+                let mut faulty = gpu();
+                let swap = match number {
+                    "lever.corner" => |text: String| text.replace("lever.corner", "TWENTY_FOURTH"),
+                    _ => |text: String| text.replace("lever.mean_corner", "ZERO"),
+                };
+                faulty.drill.edit = Some(swap);
+                let seen = same(&on(&faulty, &plan).results, &cpu(&plan), "planted").is_err();
+                assert!(seen, "{what}: {slow} for {number} is not seen");
+            }
+        }
+    }
+    println!("by means, {}: {all} of {all} instances identical", precision.name());
     Ok(())
 }
 
@@ -314,6 +347,11 @@ pub fn tests(found: &[AdapterReport]) -> Vec<Trial> {
         add(name, exact && double, Box::new(move || same_bits(modes, Precision::F64, false)));
         let name = format!("same_bits_as_the_cpu_{modes}_modes_composed_f64");
         add(name, exact && double && modes <= 4, Box::new(move || same_bits(modes, Precision::F64, true)));
+    }
+    for precision in [Precision::F32, Precision::F64] {
+        let name = format!("same_bits_as_the_cpu_by_means_{}", precision.name());
+        let runs = exact && (double || precision == Precision::F32);
+        add(name, runs, Box::new(move || same_bits_by_means(precision)));
     }
     let scenes = "same_bits_as_the_cpu_in_every_scene";
     add(format!("{scenes}_f32"), exact, Box::new(|| same_bits_in_every_scene(Precision::F32)));

@@ -75,8 +75,8 @@ const FAULTS: &[Fault] = &[
     ("jkr", "centre added up in another order", |text| {
         swap(
             &text,
-            "-t2 * TWENTY_FOURTH + (met.steady + met.beyond)",
-            "-t2 * TWENTY_FOURTH + met.steady + met.beyond",
+            "-t2 * TWENTY_FOURTH + (lever.mean_corner * kick.impulse + (met.steady + met.beyond))",
+            "-t2 * TWENTY_FOURTH + met.steady + met.beyond + lever.mean_corner * kick.impulse",
         )
     }),
     ("sum", "the work at a row's begin for that at its end", |text| swap(&text, " + 9u]", " + 6u]")),
@@ -104,7 +104,7 @@ const FAULTS: &[Fault] = &[
 const HARMLESS: &[Fault] = &[
     ("jkr", "nothing", |text| text),
     ("hertz", "factors swapped", |text| {
-        swap(&text, "TWENTY_FOURTH * kick.impulse + met.beyond", "kick.impulse * TWENTY_FOURTH + met.beyond")
+        swap(&text, "lever.corner * kick.impulse + met.beyond", "kick.impulse * lever.corner + met.beyond")
     }),
 ];
 

@@ -47,7 +47,7 @@ mod wgsl;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use flow::{FlowMode, LANDS, Lever, flown, increments};
+pub use flow::{FAST_ANGLE, FlowMode, LANDS, Lever, flown, increments, own_answer};
 pub use lane::{Lane, Pack, Zip, when};
 pub use lanes::{ROUNDING_VARIABLE, Rounding, instructions};
 pub use law::{Attraction, Law, WithLaw};

@@ -98,7 +98,9 @@ impl ShaderSpec {
         let (shifts, energy) = (self.law.shifts(), self.sums().energy);
         let mut members = self.drive_fields();
         members.retain(|field| shifts || !field.starts_with("shift_"));
-        members.retain(|field| energy || !(field.starts_with("work_") || field == "kick_paid"));
+        let of_energy =
+            |field: &str| field.starts_with("work_") || ["kick_paid", "mean_corner"].contains(&field);
+        members.retain(|field| energy || !of_energy(field));
         members.push("gap".into());
         Structure { name: "Case", prefix: "case", members }
     }
@@ -315,7 +317,9 @@ fn case<I: Interaction<Recorded>>(spec: &ShaderSpec) -> Case<Recorded, I, MODES_
             land_u: each("land_u"),
             shift_x: each("shift_x"),
             shift_u: each("shift_u"),
+            corner: own("corner"),
             kick_paid: own("kick_paid"),
+            mean_corner: own("mean_corner"),
         },
         free: Free { cosine: own("free_cosine"), sine: own("free_sine"), rate: own("free_rate") },
         gap: own("gap"),

@@ -134,14 +134,13 @@ impl ShaderSpec {
 
     /// Fields of a row of the table of drives, in order.
     pub fn drive_fields(&self) -> Vec<String> {
-        let modes = [
-            "m00", "m01", "m11", "rate", "pull", "drag", "land_x", "land_u", "shift_x", "shift_u", "work_x",
-            "work_u",
-        ];
-        let mut fields: Vec<String> =
-            modes.iter().flat_map(|name| (0..self.modes).map(move |k| format!("{name}_{k}"))).collect();
-        let rest = ["kick_paid", "free_cosine", "free_sine", "free_rate"];
-        fields.extend(rest.map(str::to_owned));
+        let motion = ["m00", "m01", "m11", "rate", "pull", "drag", "land_x", "land_u", "shift_x", "shift_u"];
+        let each = |name: &&str| (0..self.modes).map(|k| format!("{name}_{k}")).collect::<Vec<_>>();
+        let own = |name: &str| [name.to_owned()];
+        let mut fields: Vec<String> = motion.iter().flat_map(each).chain(own("corner")).collect();
+        fields.extend(["work_x", "work_u"].iter().flat_map(each));
+        fields
+            .extend(["kick_paid", "mean_corner", "free_cosine", "free_sine", "free_rate"].map(str::to_owned));
         fields
     }
 

@@ -3,7 +3,7 @@
 
 use super::contact::Interaction;
 use super::dual::Dual;
-use super::flow::{LANDS, MOTION};
+use super::flow::{LANDS, MOTION, law_row};
 use super::lanes::{Family, Rounding, WithLanes, with_double};
 use super::sample::Wave;
 use super::stepper::{Compiled, Seer};
@@ -163,7 +163,7 @@ impl<E: Lane<Element = E>> Tangent<E> {
         // Whichever of the two, the same bits.
         let dense = 2 * least.len() > self.width;
         if dense {
-            let laws = &constants[(MOTION * self.modes + 4) * self.width..];
+            let laws = &constants[law_row(self.modes) * self.width..];
             let given = (laws, &room.little[..]);
             (self.kicks.partials)(given, &room.seen, &mut room.steps, &mut room.partials);
         }
@@ -204,7 +204,7 @@ impl<E: Lane<Element = E>> Tangent<E> {
                 packed[n / self.width * rows + row * self.width + n % self.width] = at(*step as usize, row);
             }
         }
-        let laws = (MOTION * self.modes + 4) * self.width;
+        let laws = law_row(self.modes) * self.width;
         let laws = constants[laws..].iter().skip(lane).step_by(self.width);
         let spread: Vec<E> = laws.flat_map(|number| std::iter::repeat_n(*number, self.width)).collect();
         let none = vec![zero; self.width];

@@ -116,8 +116,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
     /// Modes of the lever, where all M are gone through.
     const SWINGING: usize = M - I::MEMORY as usize;
 
-    /// From rows of a number for each lane: what the motion depends on of the lever's `modes`, the free motion's cosine,
-    /// sine and rate, the gap, the law's constants, and last what makes work of it, without which there is none.
+    /// From rows of a number for each lane: what the motion depends on of the lever's `modes` and its corner, the free motion's
+    /// cosine, sine and rate, the gap, the law's constants, and last what makes work of it, without which there is none.
     #[inline(always)]
     pub fn load(modes: usize, constants: &[L::Element]) -> Self {
         let zero = L::splat(ZERO);
@@ -133,6 +133,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         let [m00, m01, m11, rate] = [each(), each(), each(), each()];
         let [pull, drag, land_x, land_u] = [each(), each(), each(), each()];
         let [shift_x, shift_u] = [each(), each()];
+        let corner = next();
         let free = Free { cosine: next(), sine: next(), rate: next() };
         let (gap, law) = (next(), I::from_numbers(&mut next));
         let mut each = || {
@@ -141,7 +142,7 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             values
         };
         let (work_x, work_u) = (each(), each());
-        let kick_paid = next();
+        let (kick_paid, mean_corner) = (next(), next());
         let flow = Flow {
             count: count - usize::from(I::MEMORY),
             m00,
@@ -156,7 +157,9 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             land_u,
             shift_x,
             shift_u,
+            corner,
             kick_paid,
+            mean_corner,
         };
         Self { flow, free, gap, law }
     }
@@ -189,13 +192,14 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             (-approach.speed, -approach.acceleration, approach.indentation);
         let impulse = kick.impulse;
         // A kick's corner against the smooth path it stands for.
-        let corner = L::splat(TWENTY_FOURTH);
+        let corner = self.flow.corner;
         let (mut work, mut virial) = (L::splat(ZERO), L::splat(ZERO));
         if energy {
             work = impulse * (self.flow.kick_paid.mul_add(impulse, speed) - excess);
             // The impulse is a mean over the step: its factor is the travel less a 24th of its second
-            // difference.
-            virial = impulse * (-acceleration).mul_add(corner, steady + beyond);
+            // difference, and the mean travel of fast modes.
+            let mean = self.flow.mean_corner.mul_add(impulse, steady + beyond);
+            virial = impulse * (-acceleration).mul_add(L::splat(TWENTY_FOURTH), mean);
             if I::SHIFTS {
                 // Impulse that falls early or late falls at another speed and travel.
                 work = (-acceleration).mul_add(kick.shift, work);

@@ -16,9 +16,10 @@ pub(super) fn step_length(driven: &Driven, steps: u32) -> f64 {
     TAU / (driven.free.omega * f64::from(steps))
 }
 
-/// Impulse per N: h^2 times the tip's inverse mass, in units of length.
+/// Impulse per N: h^2 times the tip's inverse mass as a step meets it, in units of length.
 pub(super) fn force_scale(driven: &Driven, steps: u32) -> f64 {
-    step_length(driven, steps).powi(2) * driven.kept.inverse_mass() / LENGTH
+    let step = step_length(driven, steps);
+    step.powi(2) * driven.kept.stepped_inverse_mass(step) / LENGTH
 }
 
 /// An instance and its driven instrument.
@@ -126,6 +127,7 @@ fn decayed((plan, driven): Member, k: usize) -> [f64; 2] {
     let [q, rate] = driven.free.transient(&driven.instrument, index);
     let tip = driven.instrument.modes[index].tip / LENGTH;
     let (x, u) = (tip * q, tip * rate / mode.omega);
-    let half = 0.5 * step_length(driven, plan.steps);
-    flown(mode.omega * half, mode.damping, [x, u])
+    let step = step_length(driven, plan.steps);
+    let stored = driven.kept.stored_share(mode, step);
+    flown(0.5 * mode.omega * step, mode.damping, [x, u]).map(|number| number * stored)
 }

@@ -21,6 +21,9 @@ const INSTANCES_PER_THREAD: (u32, u32) = (8, 256);
 /// A mode is slow if its motion decays by at most this exponent in a period.
 const SLOW_MODE_EXPONENT: f64 = 0.3;
 
+/// Numbers of a fast mode are not multiplied or divided by more than this when a state is transferred.
+const MAX_STORED_RATIO: f64 = 16.0;
+
 /// Maps section states of a plan's instances to those some periods later, in f64.
 pub(super) struct PeriodMap<'a> {
     pub plan: &'a Plan,
@@ -216,8 +219,13 @@ impl BasisTransfer {
             Matrix2::new(1.0 + m00, m01, m10, 1.0 + m11)
         };
         let both = |(own, mode): (usize, &KeptMode)| {
-            let (there, back) = (turn(mode, later), turn(mode, -later));
-            Some(ModeTransfer { own, other: same(mode)?, there, back })
+            let other = same(mode)?;
+            let step = |steps: f64| TAU / (driven.free.omega * steps);
+            let here = driven.kept.stored_share(mode, step(own_steps));
+            let before = theirs.stored_share(&theirs.modes[other], step(f64::from(steps)));
+            let ratio = stored_ratio(here, before);
+            let (there, back) = (turn(mode, later) * ratio, turn(mode, -later) / ratio);
+            Some(ModeTransfer { own, other, there, back })
         };
         let mut modes: Vec<ModeTransfer> = own.iter().enumerate().filter_map(both).collect();
         // A law's memory stays as it is.
@@ -296,6 +304,17 @@ pub(super) fn transfer_section(plan: &Plan, instance: u32, place: &PeriodicState
         place.section
     } else {
         BasisTransfer::new(plan, instance, (&place.basis, place.steps), MODES_MAX).section(place)
+    }
+}
+
+/// Factor of a mode's numbers from a state that has the share `before` of them to one that has `here`. A mean near zero tells
+/// little of what it is the mean of.
+fn stored_ratio(here: f64, before: f64) -> f64 {
+    let ratio = here / before;
+    if ratio.is_finite() && ratio.abs() < MAX_STORED_RATIO && ratio.abs() > 1.0 / MAX_STORED_RATIO {
+        ratio
+    } else {
+        1.0
     }
 }
 

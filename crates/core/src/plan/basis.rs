@@ -12,14 +12,13 @@
 //! tip feels of it (`compliance.rs`).
 
 use super::compliance::{MAX_RATE_RATIO, compliance, reduced};
-use super::mass_scaling::scale_mass;
 use super::oscillator::KeptMode;
 use super::resonant_modes::{is_head_on, resonant_modes};
 use super::ringing::{
     LONG_RING_SHARE, LeverModes, MAX_LEVER_MODE_RATIO, MIN_REDUCED_OSCILLATORS, left, ringing,
 };
 use crate::instrument::{Instrument, Mode};
-use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT};
+use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT, own_answer};
 
 /// The rule that chooses the oscillators of a reduced basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,9 +26,8 @@ pub enum BasisRule {
     /// Modes in the order of their share of the tip's flexibility until the remainder suits this accuracy, and one residual
     /// oscillator.
     Shares { accuracy: f64 },
-    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s. For an `elastic` contact, those that are far
-    /// faster are slowed.
-    Contact { rate: f64, count: usize, elastic: bool },
+    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s.
+    Contact { rate: f64, count: usize },
 }
 
 /// Bases of more modes than for this share of the requested accuracy are not tried; the contact's rate chooses oscillators
@@ -59,24 +57,22 @@ impl BasisRule {
     pub fn key(&self) -> [u64; 2] {
         match self {
             Self::Shares { accuracy } => [accuracy.to_bits(), 0],
-            Self::Contact { rate, count, elastic } => {
-                [rate.to_bits(), (*count as u64) << 1 | u64::from(*elastic)]
-            }
+            Self::Contact { rate, count } => [rate.to_bits(), *count as u64],
         }
     }
 
     /// The next rule with fewer oscillators, if the contact's rate chose this one.
     pub fn poorer(&self) -> Option<Self> {
-        let Self::Contact { rate, count, elastic } = *self else { return None };
+        let Self::Contact { rate, count } = *self else { return None };
         let fewer = OSCILLATOR_COUNTS.into_iter().rev().find(|other| *other < count).unwrap_or(count - 1);
-        Some(Self::Contact { rate, count: fewer, elastic })
+        Some(Self::Contact { rate, count: fewer })
     }
 
     /// The next rule with more oscillators, likewise.
     pub fn richer(&self) -> Option<Self> {
-        let Self::Contact { rate, count, elastic } = *self else { return None };
+        let Self::Contact { rate, count } = *self else { return None };
         let more = OSCILLATOR_COUNTS.into_iter().find(|other| *other > count)?;
-        Some(Self::Contact { rate, count: more, elastic })
+        Some(Self::Contact { rate, count: more })
     }
 }
 
@@ -106,17 +102,11 @@ fn fastest_stepped(omega: f64, steps: f64) -> f64 {
     omega * steps * ANGLE_MAX / std::f64::consts::TAU
 }
 
-/// Describes a basis for contacts of the rate `rate` (rad/s): the number of exact modes, that of the oscillators made, and how
-/// many of them are slowed to which frequency (rad/s).
-fn reduction_reason(exact: usize, made: usize, rate: f64, slowed: Option<(usize, f64)>) -> String {
-    let megahertz = |omega: f64| omega / std::f64::consts::TAU / 1e6;
+/// Describes a basis for contacts of the rate `rate` (rad/s): the number of exact modes and that of the oscillators made.
+fn reduction_reason(exact: usize, made: usize, rate: f64) -> String {
     let plural = if exact == 1 { "" } else { "s" };
-    let told =
-        format!("{exact} mode{plural} and {made} oscillators for contacts of {:.4} MHz", megahertz(rate));
-    match slowed {
-        None => told,
-        Some((count, ceiling)) => format!("{told}, {count} slowed to {:.4} MHz", megahertz(ceiling)),
-    }
+    let megahertz = rate / std::f64::consts::TAU / 1e6;
+    format!("{exact} mode{plural} and {made} oscillators for contacts of {megahertz:.4} MHz")
 }
 
 impl ReducedBasis {
@@ -197,14 +187,8 @@ impl ReducedBasis {
 
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
     /// modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others.
-    /// What is far faster than an `elastic` contact is slowed as far as `accuracy` allows; the onset of another moves
-    /// oscillators far above its rate. `None` if there are too few modes to reduce, or a mode answers against the force.
-    pub fn for_contact(
-        instrument: &Instrument,
-        omega: f64,
-        (rate, count, elastic): (f64, usize, bool),
-        accuracy: f64,
-    ) -> Option<Self> {
+    /// `None` if there are too few modes to reduce, or a mode answers against the force.
+    pub fn for_contact(instrument: &Instrument, omega: f64, (rate, count): (f64, usize)) -> Option<Self> {
         let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
         // The slowest lever mode and all above it. Slower modes of a rod, each a share of 1e-4 or less, are no spring at the
@@ -229,23 +213,12 @@ impl ReducedBasis {
             let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
-        let slowed = match all {
-            true => None,
-            // Half of what can be stepped: such oscillators need twice the steps.
-            false => scale_mass(
-                &mut modes,
-                exact.len(),
-                (rate, if elastic { accuracy } else { 0.0 }),
-                0.5 * fastest_stepped(omega, f64::from(STEPS_MAX)),
-            ),
-        };
-        let left =
-            1.0 - modes.iter().map(|mode| mode.inverse_mass / mode.omega.powi(2)).sum::<f64>() / flexibility;
+        let left = 1.0 - modes.iter().map(KeptMode::flexibility).sum::<f64>() / flexibility;
         let reason = match all {
             true => format!("all {} modes that move the tip", exact.len()),
-            false => reduction_reason(exact.len(), count - exact.len(), rate, slowed),
+            false => reduction_reason(exact.len(), count - exact.len(), rate),
         };
-        let rule = BasisRule::Contact { rate, count, elastic };
+        let rule = BasisRule::Contact { rate, count };
         Some(Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason })
     }
 
@@ -341,7 +314,7 @@ impl ReducedBasis {
     fn add_met(&mut self, instrument: &Instrument, met: &[usize]) {
         for &k in met.iter().take(MODES_MAX.saturating_sub(self.modes.len())) {
             let mode = KeptMode::of(instrument, k);
-            self.residual_share -= mode.inverse_mass / mode.omega.powi(2) / self.flexibility;
+            self.residual_share -= mode.flexibility() / self.flexibility;
             self.note(format!(
                 "the mode at {:.4} kHz too: a harmonic of the drive meets it",
                 mode.omega / std::f64::consts::TAU / 1e3
@@ -362,6 +335,14 @@ impl ReducedBasis {
         self.modes.iter().map(|mode| mode.inverse_mass).sum()
     }
 
+    /// The same as steps of this length (s) meet it: fast oscillators count by their mean answer to a force within a step.
+    pub fn stepped_inverse_mass(&self, step: f64) -> f64 {
+        match self.rule {
+            BasisRule::Shares { .. } => self.inverse_mass(),
+            BasisRule::Contact { .. } => self.inverse_mass() * own_answer(&self.flow(), step),
+        }
+    }
+
     /// Whether both keep modes of the same numbers, and treat the rest alike. The oscillators of levers that differ in scale
     /// then correspond, whatever their frequencies.
     pub fn copies(&self, other: &Self) -> bool {
@@ -377,16 +358,22 @@ impl ReducedBasis {
         self.modes.iter().map(|mode| mode.omega).fold(0.0, f64::max)
     }
 
+    /// The share of a mode's travel and rate that its numbers in a state have, at steps of this length (s).
+    pub fn stored_share(&self, mode: &KeptMode, step: f64) -> f64 {
+        self.flow_mode(mode).stored_share(step)
+    }
+
     /// The oscillators in the kernel's form.
     pub fn flow(&self) -> Vec<FlowMode> {
         let inverse_mass = self.inverse_mass();
-        self.modes
-            .iter()
-            .map(|mode| FlowMode {
-                omega: mode.omega,
-                damping: mode.damping,
-                share: mode.inverse_mass / inverse_mass,
-            })
-            .collect()
+        let share = |mode: &KeptMode| mode.inverse_mass / inverse_mass;
+        self.modes.iter().map(|mode| FlowMode { share: share(mode), ..self.flow_mode(mode) }).collect()
+    }
+
+    /// An oscillator in the kernel's form, but for its share. Steps may meet oscillators that were made for a contact by their
+    /// means.
+    fn flow_mode(&self, mode: &KeptMode) -> FlowMode {
+        let averaged = matches!(self.rule, BasisRule::Contact { .. });
+        FlowMode { omega: mode.omega, damping: mode.damping, share: 1.0, averaged }
     }
 }

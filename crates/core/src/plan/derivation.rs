@@ -1,7 +1,7 @@
 //! Plans derived from others of the same ensemble: some instances, other steps, other bases.
 
 use super::contact_rate::Rung;
-use super::rebasing::{notch, reduced_by, richer_than};
+use super::rebasing::{fewest_steps, notch, reduced_by, richer_than};
 use super::resolution::{Ids, InstanceResolution, InstanceResolutions};
 use super::{BasisRule, Driven, InstanceId, Plan, Precision, ReducedBasis, StartState, steps};
 use crate::observe::wants;
@@ -139,7 +139,7 @@ impl Plan {
             });
             let mut steps = self.steps(i);
             if self.run.steps_per_period.is_none() && steps > 0 {
-                steps = steps.max(steps::fewest(&self.drives[drive as usize]) / 2);
+                steps = steps.max(fewest_steps(&case, &self.drives[drive as usize], &self.run) / 2);
             }
             self.resolution.set(i as usize, (drive, steps));
         }
@@ -155,7 +155,7 @@ impl Plan {
     pub fn contact_basis_rule(&self, instance: u32) -> Option<BasisRule> {
         let (case, driven) = (self.case(instance), self.driven(instance));
         let rung = driven.rung(&case.contact, case.gap);
-        Some(richer_than(driven, rung, driven.kept.modes.len(), self.run.accuracy)?.rule)
+        Some(richer_than(driven, rung, driven.kept.modes.len())?.rule)
     }
 
     /// Uses these gaps, one for each instance (m).

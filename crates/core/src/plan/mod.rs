@@ -11,7 +11,6 @@ mod curve_points;
 mod derivation;
 mod ensemble;
 mod interning;
-mod mass_scaling;
 mod oscillator;
 mod plan_error;
 mod plan_summary;

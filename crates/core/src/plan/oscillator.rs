@@ -29,4 +29,9 @@ impl KeptMode {
             top: mode.top / mode.tip,
         }
     }
+
+    /// Travel of the tip per steady tip force through this oscillator, m/N.
+    pub fn flexibility(&self) -> f64 {
+        self.inverse_mass / self.omega.powi(2)
+    }
 }

@@ -1,8 +1,7 @@
 //! The plan in words and as JSON.
 
-use super::basis::ANGLE_MAX;
 use super::classes::Shape;
-use super::{Driven, Plan, STEPS_MAX};
+use super::{Driven, Plan, STEPS_MAX, steps};
 use crate::scene::Steady;
 use crate::units::{Dimension, shown};
 use serde_json::{Value, json};
@@ -225,7 +224,7 @@ impl Plan {
     /// Doubts about a plan that can run, one line each: drives that are too slow for the modes they excite, or far above them.
     pub fn doubts(&self) -> Vec<String> {
         let most = self.run.steps_per_period.map_or(STEPS_MAX, |steps| steps.max(STEPS_MAX));
-        let needed = |drive: &&Driven| TAU * drive.kept.fastest() / (drive.free.omega * ANGLE_MAX);
+        let needed = |drive: &&Driven| steps::needed_by_modes(&drive.kept, drive.free.omega);
         let above = |drive: &&Driven| drive.frequency() / drive.instrument.lever_frequency;
         let hertz = |frequency| shown(frequency, Dimension::Frequency);
         let mut lines = Vec::new();

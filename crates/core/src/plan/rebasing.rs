@@ -66,7 +66,7 @@ impl Rebasing {
             BasisRule::Shares { accuracy } if accuracy > run.accuracy => {
                 own.min(steps_of(&plan.case(i), driven, run))
             }
-            _ => own.max(steps::fewest(driven)),
+            _ => own.max(fewest_steps(&plan.case(i), driven, run)),
         };
         plan.resolution.set(i as usize, (drive, steps));
     }
@@ -122,26 +122,28 @@ pub(super) fn notch(driven: &Driven, rung: Rung, run: &Run) -> Option<Arc<Reduce
             let mut bases =
                 accuracies.map(|accuracy| reduced_by(driven, BasisRule::Shares { accuracy }, run));
             let found = bases.find(|basis| basis.modes != driven.kept.modes);
-            found.or_else(|| richer_than(driven, rung, driven.kept.modes.len(), run.accuracy))
+            found.or_else(|| richer_than(driven, rung, driven.kept.modes.len()))
         }
     }
 }
 
 /// The smallest basis for contacts of this rung with more than `modes` oscillators.
-pub(super) fn richer_than(
-    driven: &Driven,
-    rung: Rung,
-    modes: usize,
-    accuracy: f64,
-) -> Option<Arc<ReducedBasis>> {
-    driven
-        .for_contacts(rung, accuracy, |kept| kept.modes.len() > modes)
-        .filter(|kept| kept.modes.len() > modes)
+pub(super) fn richer_than(driven: &Driven, rung: Rung, modes: usize) -> Option<Arc<ReducedBasis>> {
+    driven.for_contacts(rung, |kept| kept.modes.len() > modes).filter(|kept| kept.modes.len() > modes)
 }
 
 /// The basis that a rule asks for.
 pub(super) fn reduced_by(driven: &Driven, rule: BasisRule, run: &Run) -> Arc<ReducedBasis> {
-    driven.reduced_by(rule, run.accuracy, |accuracy| shares(driven, accuracy, run))
+    driven.reduced_by(rule, |accuracy| shares(driven, accuracy, run))
+}
+
+/// Fewest steps with which a case may step its basis: as many as the fastest of modes chosen by their shares needs, or as the
+/// rule gives for oscillators made for a contact.
+pub(super) fn fewest_steps(case: &Case, driven: &Driven, run: &Run) -> u32 {
+    match driven.kept.rule {
+        BasisRule::Shares { .. } => steps::fewest(driven),
+        BasisRule::Contact { .. } => steps_of(case, driven, run),
+    }
 }
 
 /// The number of steps that the rule gives for a case with its basis.

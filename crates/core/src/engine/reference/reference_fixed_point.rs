@@ -3,6 +3,7 @@
 use super::step_control::Integrator;
 use super::system::{System, far};
 use super::{Reference, integrate};
+use crate::contact::Contact;
 use crate::engine::{EngineError, Finished, Progress};
 use crate::kernel::{flown, increments};
 use crate::periodic::{FixedPoint, NewtonOptions, PtcNewton, PtcOutcome};
@@ -40,6 +41,9 @@ const MEASURED_PERIODS: u32 = 4;
 /// Modes that a search adds to its unknowns, and the least damping ratio of added ones: undamped modes never settle.
 const MAX_WIDENED_MODES: usize = 6;
 const MIN_SLOW_DAMPING: f64 = 1e-5;
+/// Iterations for a force between a sample and a spring, and the least slope that one divides by: a spring that snaps in has none.
+const STATIC_FORCE_ITERATIONS: usize = 20;
+const MIN_STATIC_SLOPE: f64 = 0.1;
 /// A mode rests if it moves by less than this share of the tolerance in a period: a stiff contact feels it all the same.
 const REST_TOL_SHARE: f64 = 1e-2;
 
@@ -101,7 +105,8 @@ pub fn solve_near(
 
 /// The section state as unknowns at the period's very start, half a step earlier, and the indices of the section state's own
 /// modes. The reference's other modes share the travel of its other oscillators as they would bend under a static force:
-/// otherwise a tip held in contact would begin beside the sample.
+/// otherwise a tip held in contact would begin beside the sample. Modes that the section state has as means over a step bend
+/// under the force there.
 fn unknowns(
     system: &System,
     case: &Case,
@@ -110,9 +115,10 @@ fn unknowns(
 ) -> (DVector<f64>, Vec<usize>) {
     let modes = system.modes();
     let half = PI / (driven.free.omega * f64::from(case.steps));
+    let is_mean = |k: usize| driven.kept.stored_share(&driven.kept.modes[k], 2.0 * half) != 1.0;
     let mut state = DVector::zeros(system.remembered());
     let mut slow = Vec::new();
-    let mut others: Vec<usize> = Vec::new();
+    let (mut others, mut springs) = (Vec::new(), Vec::new());
     let mut rest: Vec<usize> = (0..driven.kept.modes.len()).collect();
     let at_start = |k: usize, omega: f64, damping: f64| {
         let [x, u] = flown(-omega * half, damping, [station.x[k], station.u[k]]);
@@ -128,19 +134,28 @@ fn unknowns(
             others.push(place);
             continue;
         };
-        [state[place], state[modes + place]] = at_start(k, omega, damping);
+        match is_mean(k) {
+            true => springs.push(place),
+            false => [state[place], state[modes + place]] = at_start(k, omega, damping),
+        }
         rest.retain(|other| *other != k);
         slow.extend([place, modes + place]);
     }
+    let (means, rest): (Vec<usize>, Vec<usize>) = rest.into_iter().partition(|k| is_mean(*k));
     let [rest_x, rest_u] = rest
         .into_iter()
         .map(|k| at_start(k, driven.kept.modes[k].omega, driven.kept.modes[k].damping))
         .fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+    let given_way: f64 = means.into_iter().map(|k| driven.kept.modes[k].flexibility()).sum();
+    let bends = given_way + springs.iter().map(|place| system.flexibility_of(*place)).sum::<f64>();
+    let held = -(case.gap + driven.free_amplitude() + state.rows(0, modes).sum() + rest_x);
+    let force = static_force(&case.contact, held, station.touching, bends);
+    springs.into_iter().for_each(|place| state[place] = system.flexibility_of(place) * force);
     let whole: f64 = others.iter().map(|place| system.flexibility_of(*place)).sum();
     if whole > 0.0 {
         for place in others {
             let share = system.flexibility_of(place) / whole;
-            state[place] = share * rest_x;
+            state[place] = share * (rest_x + given_way * force);
             state[modes + place] = share * rest_u;
         }
     }
@@ -153,6 +168,19 @@ fn unknowns(
         slow.push(place);
     }
     (state, slow)
+}
+
+/// Force (N) at the indentation `held` (m) less what a spring of the flexibility `bends` (m/N) gives way.
+fn static_force(contact: &Contact, held: f64, touching: bool, bends: f64) -> f64 {
+    let mut force = 0.0;
+    if bends > 0.0 {
+        for _ in 0..STATIC_FORCE_ITERATIONS {
+            let depth = held - bends * force;
+            let miss = contact.force(depth, touching) - force;
+            force += miss / (1.0 + bends * contact.stiffness(depth, touching)).max(MIN_STATIC_SLOPE);
+        }
+    }
+    force
 }
 
 /// Share of its amplitude that the slowest of these modes loses in a period by itself.
@@ -200,8 +228,7 @@ impl Map {
             // Modes that the stepped engine does not keep may still ring for long: a second search includes more of them, and
             // starts later.
             self.after = warm;
-            let room = MAX_WIDENED_MODES.saturating_sub(self.slow.len() / 2);
-            let more: Vec<usize> = self.others().take(room).collect();
+            let more: Vec<usize> = self.others().take(MAX_WIDENED_MODES).collect();
             self.widen(&more);
         }
         let least = 10.0 * options.tolerance * options.scale;
