@@ -152,12 +152,10 @@ fn unknowns(
     let force = static_force(&case.contact, held, station.touching, bends);
     springs.into_iter().for_each(|place| state[place] = system.flexibility_of(place) * force);
     let whole: f64 = others.iter().map(|place| system.flexibility_of(*place)).sum();
-    if whole > 0.0 {
-        for place in others {
-            let share = system.flexibility_of(place) / whole;
-            state[place] = share * (rest_x + given_way * force);
-            state[modes + place] = share * rest_u;
-        }
+    for place in others.into_iter().filter(|_| whole > 0.0) {
+        let share = system.flexibility_of(place) / whole;
+        state[place] = share * (rest_x + given_way * force);
+        state[modes + place] = share * rest_u;
     }
     // The law's memory does not change in the half step: it is that of the period's very start.
     let kept = driven.kept.modes.len();
