@@ -192,8 +192,8 @@ impl Row {
         let (factor, mean) = match mode.is_fast(step) {
             true => (share * mode.stored_share(step).powi(2), Some(share * mode.answer(step))),
             false => {
-                let factor = half.tan() / half * (1.0 - angle * angle / 24.0) * (1.0 - loss * loss / 24.0);
-                (share * factor, None)
+                let (turn, loss) = (1.0 - angle * angle / 24.0, 1.0 - loss * loss / 24.0);
+                (share * half.tan() / half * turn * loss, None)
             }
         };
         Self { angle, damping, share, factor, mean, step: increments(angle, damping) }
