@@ -132,8 +132,8 @@ fn contacts_that_are_not_fast_pay_nothing_for_those_that_are() {
     // their places.
     let driven = &plan.drives[0];
     let rate = 8.0 * driven.free.omega;
-    let kept =
-        ReducedBasis::for_contact(&driven.instrument, driven.free.omega, (rate, 8)).expect("it can be made");
+    let kept = ReducedBasis::for_contact(&driven.instrument, driven.free.omega, (rate, 8, true))
+        .expect("it can be made");
     let exact = || kept.modes.iter().filter(|mode| mode.index.is_some());
     let first = exact().map(|mode| mode.inverse_mass).fold(f64::NAN, f64::max);
     assert!(exact().count() > 2 && exact().all(|mode| mode.inverse_mass > 0.03 * first), "{:?}", kept.modes);

@@ -24,7 +24,7 @@ fn modes(count: usize) -> Vec<FlowMode> {
         omega: 1.0 + 1.9 * k as f64,
         damping: if k % 6 == 5 { 1.2 } else { 0.5 / (10.0 + 5.0 * k as f64) },
         share: share(k) / all,
-        averaged: true,
+        fast_angle: 1.2,
     };
     (0..count).map(mode).collect()
 }

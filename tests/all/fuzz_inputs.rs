@@ -319,7 +319,7 @@ fn journals_of_any_bytes_hold_what_was_written_or_are_refused() {
 #[test]
 fn portions_of_any_bytes_are_what_they_were_or_none() {
     let spectrum = Floquet { multiplier: 0.3, sigma_min: f64::NAN };
-    let rule = BasisRule::Contact { rate: 2e6, count: 3 };
+    let rule = BasisRule::Contact { rate: 2e6, count: 3, elastic: true };
     let place = CompactOrbit::new(&SectionState::FREE, spectrum, 256, rule);
     let one = |n: u32| InstanceRecord {
         finished: Finished { status: Status::ALL[n as usize % 3], ..Finished::NOT_RUN },

@@ -1,13 +1,13 @@
 //! Exact flow of the damped modes over one step, and what a kick does to each.
 
 /// One mode as the plan gives it: angular frequency (rad/s), damping ratio 1/(2Q), its share of the tip's response to an
-/// impulse, c_k b_k / sum(c b), and whether steps that it turns too far in meet it by its mean.
+/// impulse, c_k b_k / sum(c b), and the angle (rad): a step that it turns by more in meets it by its mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowMode {
     pub omega: f64,
     pub damping: f64,
     pub share: f64,
-    pub averaged: bool,
+    pub fast_angle: f64,
 }
 
 /// Coefficients of M modes for one step length. A mode's state is its part of the tip's travel, x,
@@ -58,7 +58,7 @@ pub(crate) struct Flow<L, const M: usize> {
 /// h^2/24 (g omega^2 x + (g^2 - omega^2) v), in which f itself cancels. Without it the loss is
 /// of second order and shows a law without loss as one that feeds the lever.
 ///
-/// Fast modes, averaged ones that turn by more than [`FAST_ANGLE`] in a step, are met by their mean over it (Gautschi 1961;
+/// Fast modes, which turn by more than their `fast_angle` in a step, are met by their mean over it (Gautschi 1961;
 /// Garcia-Archilla, Sanz-Serna & Skeel 1998). The impulse moves such a mode as a force that is steady over the step does, by
 /// sinc(y), and the contact hears its mean, by sinc(y) again: its x and u are stored with that factor. It adds no speed and no
 /// acceleration to the path. Its own answer to the impulse within the step is its mean travel over it, where a
@@ -83,13 +83,13 @@ pub(crate) const fn law_row(modes: usize) -> usize {
     MOTION * modes + 5
 }
 
-/// An averaged mode that turns by more than this in a step, rad, is met by its mean over the step.
+/// The angle (rad) of modes that steps may meet by their means.
 pub const FAST_ANGLE: f64 = 1.2;
 
 impl FlowMode {
     /// Whether a step of this length (s) meets the mode by its mean.
     fn is_fast(&self, step: f64) -> bool {
-        self.averaged && self.omega * step > FAST_ANGLE
+        self.omega * step > self.fast_angle
     }
 
     /// The share of the mode's travel and rate that its numbers in a state have, at steps of this length (s): of a fast mode they
@@ -176,7 +176,7 @@ struct Row {
 
 impl Row {
     fn all(modes: &[FlowMode], step: f64, count: usize) -> Vec<Self> {
-        let still = FlowMode { omega: 1.0 / step, damping: 0.0, share: 0.0, averaged: false };
+        let still = FlowMode { omega: 1.0 / step, damping: 0.0, share: 0.0, fast_angle: f64::INFINITY };
         let own = own_answer(modes, step);
         let row = |mode: &FlowMode| Self::new(&FlowMode { share: mode.share / own, ..*mode }, step);
         let mut rows: Vec<Self> = modes.iter().map(row).collect();
@@ -346,7 +346,7 @@ mod tests {
     fn a_fast_mode_answers_a_steady_force_exactly() {
         for damping in [1e-7, 1e-5, 0.003] {
             for angle in [1.3, 2.9, 3.2, 6.2, 6.4, 17.0, 41.5] {
-                let mode = FlowMode { omega: angle, damping, share: 1.0, averaged: true };
+                let mode = FlowMode { omega: angle, damping, share: 1.0, fast_angle: FAST_ANGLE };
                 let lever = Lever::new(&[mode], 1.0, 1);
                 let own = own_answer(&[mode], 1.0);
                 let [m00, m01, m11, rate, pull, drag, rx, ru, .., corner] = lever.motion[..] else {
@@ -374,7 +374,7 @@ mod tests {
     fn a_steady_force_is_answered_exactly() {
         for damping in [1e-5, 0.003, 0.1, 0.7] {
             for angle in [0.01, 0.1, 0.5, 0.9] {
-                let mode = FlowMode { omega: angle, damping, share: 1.0, averaged: false };
+                let mode = FlowMode { omega: angle, damping, share: 1.0, fast_angle: f64::INFINITY };
                 let lever = Lever::new(&[mode], 1.0, 1);
                 // The state before a kick that kick and step lead back to: -m s = (1 + m) kick.
                 let kx = Row::new(&mode, 1.0).kick_x();

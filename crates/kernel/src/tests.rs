@@ -116,7 +116,8 @@ fn relaxing(name: &str) -> Option<f64> {
 /// 32 instances, soft to stiff, from far away to pressed in; the bits of all that is summed.
 fn stepped<L: Lane, I: Interaction<L>>() -> Vec<u64> {
     let modes = [(TAU, 0.05, 0.2), (6.27 * TAU, 0.02, 0.8)];
-    let modes = modes.map(|(omega, damping, share)| FlowMode { omega, damping, share, averaged: false });
+    let modes =
+        modes.map(|(omega, damping, share)| FlowMode { omega, damping, share, fast_angle: f64::INFINITY });
     let lever = match I::MEMORY {
         true => Lever::new(&modes[..1], 1.0 / STEPS as f64, 2).remembering(0.02),
         false => Lever::new(&modes, 1.0 / STEPS as f64, 2),

@@ -18,7 +18,7 @@ use super::ringing::{
     LONG_RING_SHARE, LeverModes, MAX_LEVER_MODE_RATIO, MIN_REDUCED_OSCILLATORS, left, ringing,
 };
 use crate::instrument::{Instrument, Mode};
-use crate::kernel::{FlowMode, MODES_MAX, WRITTEN_OUT, own_answer};
+use crate::kernel::{FAST_ANGLE, FlowMode, MODES_MAX, WRITTEN_OUT, own_answer};
 
 /// The rule that chooses the oscillators of a reduced basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +26,9 @@ pub enum BasisRule {
     /// Modes in the order of their share of the tip's flexibility until the remainder suits this accuracy, and one residual
     /// oscillator.
     Shares { accuracy: f64 },
-    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s.
-    Contact { rate: f64, count: usize },
+    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s. Steps meet fast ones by their means if the contact
+    /// is `elastic`: the force of another depends on their speed.
+    Contact { rate: f64, count: usize, elastic: bool },
 }
 
 /// Bases of more modes than for this share of the requested accuracy are not tried; the contact's rate chooses oscillators
@@ -57,22 +58,24 @@ impl BasisRule {
     pub fn key(&self) -> [u64; 2] {
         match self {
             Self::Shares { accuracy } => [accuracy.to_bits(), 0],
-            Self::Contact { rate, count } => [rate.to_bits(), *count as u64],
+            Self::Contact { rate, count, elastic } => {
+                [rate.to_bits(), (*count as u64) << 1 | u64::from(*elastic)]
+            }
         }
     }
 
     /// The next rule with fewer oscillators, if the contact's rate chose this one.
     pub fn poorer(&self) -> Option<Self> {
-        let Self::Contact { rate, count } = *self else { return None };
+        let Self::Contact { rate, count, elastic } = *self else { return None };
         let fewer = OSCILLATOR_COUNTS.into_iter().rev().find(|other| *other < count).unwrap_or(count - 1);
-        Some(Self::Contact { rate, count: fewer })
+        Some(Self::Contact { rate, count: fewer, elastic })
     }
 
     /// The next rule with more oscillators, likewise.
     pub fn richer(&self) -> Option<Self> {
-        let Self::Contact { rate, count } = *self else { return None };
+        let Self::Contact { rate, count, elastic } = *self else { return None };
         let more = OSCILLATOR_COUNTS.into_iter().find(|other| *other > count)?;
-        Some(Self::Contact { rate, count: more })
+        Some(Self::Contact { rate, count: more, elastic })
     }
 }
 
@@ -188,7 +191,11 @@ impl ReducedBasis {
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
     /// modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others.
     /// `None` if there are too few modes to reduce, or a mode answers against the force.
-    pub fn for_contact(instrument: &Instrument, omega: f64, (rate, count): (f64, usize)) -> Option<Self> {
+    pub fn for_contact(
+        instrument: &Instrument,
+        omega: f64,
+        (rate, count, elastic): (f64, usize, bool),
+    ) -> Option<Self> {
         let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
         // The slowest lever mode and all above it. Slower modes of a rod, each a share of 1e-4 or less, are no spring at the
@@ -218,7 +225,7 @@ impl ReducedBasis {
             true => format!("all {} modes that move the tip", exact.len()),
             false => reduction_reason(exact.len(), count - exact.len(), rate),
         };
-        let rule = BasisRule::Contact { rate, count };
+        let rule = BasisRule::Contact { rate, count, elastic };
         Some(Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason })
     }
 
@@ -370,10 +377,14 @@ impl ReducedBasis {
         self.modes.iter().map(|mode| FlowMode { share: share(mode), ..self.flow_mode(mode) }).collect()
     }
 
-    /// An oscillator in the kernel's form, but for its share. Steps may meet oscillators that were made for a contact by their
-    /// means.
+    /// An oscillator in the kernel's form, but for its share. Steps may meet oscillators that were made for an elastic contact by
+    /// their means; for another contact those alone that the most steps cannot follow.
     fn flow_mode(&self, mode: &KeptMode) -> FlowMode {
-        let averaged = matches!(self.rule, BasisRule::Contact { .. });
-        FlowMode { omega: mode.omega, damping: mode.damping, share: 1.0, averaged }
+        let fast_angle = match self.rule {
+            BasisRule::Shares { .. } => f64::INFINITY,
+            BasisRule::Contact { elastic: true, .. } => FAST_ANGLE,
+            BasisRule::Contact { elastic: false, .. } => 2.0 * FAST_ANGLE,
+        };
+        FlowMode { omega: mode.omega, damping: mode.damping, share: 1.0, fast_angle }
     }
 }

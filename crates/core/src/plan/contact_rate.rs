@@ -53,6 +53,8 @@ pub(super) fn contact_rate(
 pub(super) struct Rung {
     /// Their rates are at most 2 to this power times the drive's angular frequency.
     pub power: u32,
+    /// Whether the sample neither loses energy nor relaxes.
+    pub elastic: bool,
 }
 
 /// Data of a drive for [`Driven::rung`] of very many contacts: the numbers of [`compliance`] side by side, so that their
@@ -93,7 +95,7 @@ impl<'a> Tip<'a> {
     pub fn rung(&mut self, contact: &Contact, gap: f64) -> Rung {
         let driven = self.driven;
         let free = (driven.free.omega, driven.free_amplitude(), gap);
-        driven.rung_of(contact_rate(contact, free, |s| self.answer(s)))
+        driven.rung_of(contact, contact_rate(contact, free, |s| self.answer(s)))
     }
 }
 
@@ -114,13 +116,13 @@ impl<'a> RungCache<'a> {
 impl Driven {
     /// The rung of an instance's contact.
     pub(super) fn rung(&self, contact: &Contact, gap: f64) -> Rung {
-        self.rung_of(self.contact_rate(contact, gap))
+        self.rung_of(contact, self.contact_rate(contact, gap))
     }
 
     /// The rung of a contact of this rate, rad/s.
-    fn rung_of(&self, rate: f64) -> Rung {
+    fn rung_of(&self, contact: &Contact, rate: f64) -> Rung {
         let power = (rate / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32;
-        Rung { power }
+        Rung { power, elastic: contact.retardation == 0.0 }
     }
 
     /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about four
@@ -163,7 +165,7 @@ impl Driven {
         let mut richest = None;
         // The first number is only compared with the next.
         for count in OSCILLATOR_COUNTS.into_iter().skip(1) {
-            let wanted = (self.rate(rung), count);
+            let wanted = (self.rate(rung), count, rung.elastic);
             let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, wanted);
             let enough = kept.as_ref().is_some_and(&good);
             richest = kept.or(richest);
@@ -183,8 +185,8 @@ impl Driven {
         match rule {
             _ if rule == self.kept.rule => Arc::clone(&self.kept),
             BasisRule::Shares { accuracy: own } => Arc::new(shares(own)),
-            BasisRule::Contact { rate, count } => {
-                ReducedBasis::for_contact(&self.instrument, self.free.omega, (rate, count))
+            BasisRule::Contact { rate, count, elastic } => {
+                ReducedBasis::for_contact(&self.instrument, self.free.omega, (rate, count, elastic))
                     .map_or_else(|| Arc::clone(&self.kept), Arc::new)
             }
         }

@@ -137,12 +137,12 @@ pub(super) fn reduced_by(driven: &Driven, rule: BasisRule, run: &Run) -> Arc<Red
     driven.reduced_by(rule, |accuracy| shares(driven, accuracy, run))
 }
 
-/// Fewest steps with which a case may step its basis: as many as the fastest of modes chosen by their shares needs, or as the
-/// rule gives for oscillators made for a contact.
+/// Fewest steps with which a case may step its basis: as many as the fastest oscillator needs, or as the rule gives for
+/// oscillators made for an elastic contact.
 pub(super) fn fewest_steps(case: &Case, driven: &Driven, run: &Run) -> u32 {
     match driven.kept.rule {
-        BasisRule::Shares { .. } => steps::fewest(driven),
-        BasisRule::Contact { .. } => steps_of(case, driven, run),
+        BasisRule::Contact { elastic: true, .. } => steps_of(case, driven, run),
+        _ => steps::fewest(driven),
     }
 }
 

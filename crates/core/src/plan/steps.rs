@@ -42,8 +42,8 @@ pub fn steps(
     let base = BASE_STEPS * (1e-3 / accuracy).powf(1.0 / STEPPER_ORDER);
     let period = TAU / omega;
     let finer = match kept.rule {
-        BasisRule::Shares { .. } => 1.0,
-        BasisRule::Contact { .. } => FAST_CONTACT_REFINEMENT,
+        BasisRule::Contact { elastic: true, .. } => FAST_CONTACT_REFINEMENT,
+        _ => 1.0,
     };
     let limit = STIFFNESS_FACTOR * (accuracy / 1e-3).sqrt().clamp(0.05, 2.0);
     let mut steps = rung(base.max(needed_by_modes(kept, omega)));
@@ -59,11 +59,14 @@ pub fn steps(
     }
 }
 
-/// Steps per period that the fastest mode needs, of those chosen by their shares. Oscillators made for a contact need none.
+/// Steps per period that the fastest oscillator needs. Those made for an elastic contact need none; those for another move
+/// with it and need twice as many.
 pub(super) fn needed_by_modes(kept: &ReducedBasis, omega: f64) -> f64 {
+    let needed = TAU * kept.fastest() / (omega * ANGLE_MAX);
     match kept.rule {
-        BasisRule::Shares { .. } => TAU * kept.fastest() / (omega * ANGLE_MAX),
-        BasisRule::Contact { .. } => 0.0,
+        BasisRule::Shares { .. } => needed,
+        BasisRule::Contact { elastic: false, .. } => 2.0 * needed,
+        BasisRule::Contact { elastic: true, .. } => 0.0,
     }
 }
 

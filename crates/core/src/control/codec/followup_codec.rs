@@ -110,7 +110,12 @@ mod tests {
         let mut station = SectionState::FREE;
         (station.x[1], station.u[2]) = (-1e-9, f64::MIN_POSITIVE);
         let spectrum = Floquet { multiplier: 0.5, sigma_min: f64::NAN };
-        let place = CompactOrbit::new(&station, spectrum, 128, BasisRule::Contact { rate: 1e6, count: 4 });
+        let place = CompactOrbit::new(
+            &station,
+            spectrum,
+            128,
+            BasisRule::Contact { rate: 1e6, count: 4, elastic: true },
+        );
         let one = |n: u32| {
             let question = FollowupKey {
                 kind: FollowupKind::ALL[n as usize % 3],
