@@ -1,7 +1,8 @@
 //! Exact flow of the damped modes over one step, and what a kick does to each.
 
 /// One mode as the plan gives it: angular frequency (rad/s), damping ratio 1/(2Q), its share of the tip's response to an
-/// impulse, c_k b_k / sum(c b), and the angle (rad): a step that it turns by more in meets it by its mean.
+/// impulse, c_k b_k / sum(c b), and the largest angle (rad) that it turns by in a step that follows it. A step in which it turns
+/// further meets it by its mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowMode {
     pub omega: f64,

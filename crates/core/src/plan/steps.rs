@@ -22,7 +22,7 @@ const STIFFNESS_FACTOR: f64 = 0.125;
 /// The same for the slope of an attraction just outside contact.
 const ATTRACTION_FACTOR: f64 = 1.0;
 
-/// A contact that determines the oscillators is a hammer blow to many of them: its steps are finer by this factor. Of 10,000
+/// An elastic contact that determines the oscillators excites many of them: its steps are finer by this factor. Of 10,000
 /// cases of a lever of 4 N/m on samples up to 100 GPa (accuracy 1e-3; against the accuracy 1e-4) as many have a largest force
 /// beyond the accuracy with 2 as did when steps followed the fastest oscillator: 19 and 25 under DMT, none under Hertz, 115 and
 /// 183 under JKR. With 1.7 they are 61, none and 243; with 2.4, for a fifth more steps, 13, none and 61.
