@@ -1,7 +1,9 @@
 //! The first two runs of every instance, and the estimate from their difference.
 
 use super::decision::Refinement;
-use super::difference_scale::{is_fast, remaining_error_factor, remaining_step_error, scaled_differences};
+use super::difference_scale::{
+    is_fast, remaining_error_factor, remaining_step_error, scaled_difference, scaled_differences,
+};
 use super::missed_compliance::missed;
 use super::orbit_pair::{self, OrbitPair};
 use super::stencils::Stencils;
@@ -28,16 +30,17 @@ pub(super) struct EstimateInputs<'a> {
 pub(super) struct SmallerBasis {
     /// One basis for each instance.
     pub bases: Vec<BasisRule>,
-    /// The plan of the first run, still with all its steps. Fast contacts keep their basis here: their number of oscillators
-    /// changes the step error, so a separate run estimates their truncation error.
+    /// The plan of the first run, still with all its steps. An instance keeps its basis here if a separate run estimates its
+    /// truncation error.
     plan: Plan,
 }
 
 impl SmallerBasis {
     /// Smaller bases for all instances of a plan.
     pub fn of(plan: &Plan, bases: Vec<BasisRule>) -> Self {
-        let usual = plan.stepped().into_iter().filter(|i| !is_fast(plan, *i));
-        let wanted: Vec<(u32, BasisRule)> = usual.map(|i| (i, bases[i as usize])).collect();
+        let stepped = plan.stepped().into_iter().map(|i| (i, bases[i as usize]));
+        let wanted: Vec<(u32, BasisRule)> =
+            stepped.filter(|(i, smaller)| !needs_basis_run(plan, *i, *smaller)).collect();
         Self { plan: plan.with_bases_alone(&wanted), bases }
     }
 
@@ -72,8 +75,19 @@ pub(super) struct FirstEstimate {
     pub solved: Vec<OrbitPair>,
 }
 
+/// Whether the truncation error of a fast contact needs a run of its own: jumps of the force excite all oscillators, and few
+/// steps do not show what very few oscillators lack.
+fn needs_basis_run(plan: &Plan, i: u32, smaller: BasisRule) -> bool {
+    match smaller {
+        BasisRule::Contact { count, .. } => {
+            count < plan.policy.first_oscillators || plan.law(i).has_hysteresis()
+        }
+        BasisRule::Shares { .. } => false,
+    }
+}
+
 /// Runs `stepped`, the instances that need steps, with a quarter of the plan's steps, then all with half of them. If the
-/// bases differ, the difference contains both errors; for fast contacts a third run gives the part of the bases.
+/// bases differ, the difference contains both errors. If it is too large for a fast contact, a third run tells them apart.
 pub(super) fn run(
     plan: &Plan,
     stepped: &[u32],
@@ -128,7 +142,8 @@ pub(super) fn run(
     kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
     begun.add_missed(stepped);
     if let Some(SmallerBasis { bases, .. }) = &poorer {
-        begun.tell_fast_bases(plan, stepped, bases, engine, progress)?;
+        begun.split_fast(plan, stepped, &rough.outcome.results, (engine, progress))?;
+        begun.tell_fast_bases(plan, stepped, bases, (engine, progress))?;
     }
     Ok(begun)
 }
@@ -259,36 +274,81 @@ impl FirstEstimate {
         }
     }
 
-    /// Runs fast contacts again with smaller bases and the same steps: the difference is their truncation error.
+    /// Results of another run of these instances by `plan`, which starts from their states.
+    fn third_run(
+        &self,
+        mut plan: Plan,
+        instances: &[u32],
+        (engine, progress): (&dyn Engine, &Progress),
+    ) -> Result<Vec<Finished>, EngineError> {
+        let near = orbit::gather(&self.settled.found, instances);
+        Ok(orbit::solve_again(&mut plan, &near, engine, progress)?.outcome.results)
+    }
+
+    /// Runs fast contacts whose first difference is too large again, with the bases of the second run and the steps of the first
+    /// (`rough`). That splits the difference into steps and bases.
+    fn split_fast(
+        &mut self,
+        plan: &Plan,
+        stepped: &[u32],
+        rough: &[Finished],
+        with: (&dyn Engine, &Progress),
+    ) -> Result<(), EngineError> {
+        let aim = plan.policy.aim * plan.run.accuracy;
+        let open = |(_, i): &(&Finished, u32)| {
+            let known = &self.known[*i as usize];
+            known.unsplit.is_some() && is_fast(plan, *i) && known.error() > aim
+        };
+        let (rough, fast): (Vec<&Finished>, Vec<u32>) =
+            rough.iter().zip(stepped.iter().copied()).filter(open).unzip();
+        if fast.is_empty() || with.1.stopped() {
+            return Ok(());
+        }
+        let coarse = quarter_steps(plan.part(&fast));
+        let steps: Vec<u32> = coarse.instances().map(|place| coarse.steps(place)).collect();
+        let third = self.third_run(coarse, &fast, with)?;
+        for (((i, rough), third), steps) in fast.into_iter().zip(rough).zip(&third).zip(steps) {
+            // A run without a result tells nothing.
+            if third.status != Status::Ok {
+                continue;
+            }
+            let (plan, fine, known) =
+                (&self.plan, &self.settled.outcome.results[i as usize], &mut self.known[i as usize]);
+            let of_bases = remaining_error_factor(plan, i) * scaled_difference(plan, i, rough, third)
+                + basis_choice::unbent(plan, i, &fine.measured);
+            known.of_modes = of_bases.max(missed(plan, i, &fine.measured));
+            known.of_steps = remaining_step_error(plan, i, steps) * scaled_difference(plan, i, third, fine);
+            known.unsplit = None;
+        }
+        Ok(())
+    }
+
+    /// Runs fast contacts that need it again with smaller bases and the same steps: the difference is their truncation error.
     fn tell_fast_bases(
         &mut self,
         plan: &Plan,
         stepped: &[u32],
         bases: &[BasisRule],
-        engine: &dyn Engine,
-        progress: &Progress,
+        with: (&dyn Engine, &Progress),
     ) -> Result<(), EngineError> {
         let results = &self.settled.outcome.results;
         let poorer = |i: &u32| {
             let ok = results[*i as usize].status == Status::Ok;
-            ok && is_fast(plan, *i) && bases[*i as usize] != plan.basis_rule(*i)
+            let smaller = bases[*i as usize];
+            ok && needs_basis_run(plan, *i, smaller) && smaller != plan.basis_rule(*i)
         };
         let fast: Vec<u32> = stepped.iter().copied().filter(poorer).collect();
         if fast.is_empty() {
             return Ok(());
         }
         let wanted: Vec<(u32, BasisRule)> = fast.iter().map(|i| (*i, bases[*i as usize])).collect();
-        let mut few = self.plan.with_bases_alone(&wanted).part(&fast);
-        let poor =
-            orbit::solve_again(&mut few, &orbit::gather(&self.settled.found, &fast), engine, progress)?;
-        let apart = scaled_differences(&self.plan, &fast, &poor.outcome.results, results);
+        let few = self.plan.with_bases_alone(&wanted).part(&fast);
+        let poor = self.third_run(few, &fast, with)?;
+        let apart = scaled_differences(&self.plan, &fast, &poor, results);
         for (i, apart) in fast.into_iter().zip(apart) {
             // A run that was cut short gives no estimate.
-            self.known[i as usize].of_modes = if progress.stopped() {
-                f64::INFINITY
-            } else {
-                remaining_error_factor(&self.plan, i) * apart
-            };
+            self.known[i as usize].of_modes =
+                if with.1.stopped() { f64::INFINITY } else { remaining_error_factor(&self.plan, i) * apart };
         }
         Ok(())
     }

@@ -78,6 +78,9 @@ policy! {
     /// The same for the basis of the first run, the next smaller one. Its difference to the second run is each instance's own
     /// estimate, and little of it remains in the second.
     first_basis_share: f64 = 1.5,
+    /// Fewest oscillators with which the first run of a fast contact may have the next smaller basis, and its difference to the
+    /// second run both errors. With fewer the basis lacks lever modes, and few steps do not show what those do.
+    first_oscillators: usize = 8,
     /// Members of the sample on either side of an instance whose largest difference stands for its own.
     neighbours: usize = 2,
 
