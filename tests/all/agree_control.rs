@@ -136,6 +136,50 @@ fn a_soft_lever_on_stiff_samples_meets_the_accuracy() {
     assert!(errors.iter().all(|error| *error <= scene.run.accuracy), "{errors:?}");
 }
 
+/// Steps follow the oscillators of a viscous contact. With fewer and slower ones in the first run, both runs had the same error:
+/// of 512 such cases 221 were up to 4.7 times above the accuracy and called ok.
+#[test]
+fn a_soft_lever_on_viscous_samples_meets_the_accuracy() {
+    let text = r#"
+        [instrument.cantilever]
+        stiffness = "8 N/m"
+        frequency = "300 kHz"
+        quality_factor = 200
+        [instrument.actuator]
+        model = "rigid"
+        [instrument.tip]
+        radius = "30 nm"
+        [sample]
+        youngs_modulus = "5 GPa"
+        poisson_ratio = 0.3
+        retardation_time = "20 ns"
+        surface_energy = "30 mJ/m^2"
+        [contact]
+        law = "dmt"
+        [drive]
+        on = "tip"
+        frequency = "resonance"
+        free_amplitude = "40 nm"
+        [approach]
+        gap = "27 nm"
+        [sweep]
+        "sample.youngs_modulus" = { from = "5 GPa", to = "50 GPa", points = 4, scale = "log" }
+        [run]
+        steady = "search"
+        accuracy = 1e-3
+        [output]
+        observables = ["amplitude", "phase", "force_max"]
+    "#;
+    let scene = Scene::parse(Path::new("viscous.toml"), text).expect("the scene is whole");
+    let run = controlled(&checks::plan(&scene, None));
+    let audited = control::audit(&run, run.plan.len(), &MemoryJournal::default(), &Progress::default());
+    let errors: Vec<Option<f64>> = audited.expect("it runs").iter().map(|one| one.worst).collect();
+    assert!(!errors.is_empty());
+    assert!(errors.iter().all(|error| error.is_some_and(|error| error <= scene.run.accuracy)), "{errors:?}");
+    assert!(!errors.is_empty());
+    assert!(errors.iter().all(|error| error.is_some_and(|error| error <= scene.run.accuracy)), "{errors:?}");
+}
+
 /// The coarser of the first two runs has steps in which the fastest oscillator turns by more than half a turn. It says little
 /// of the finer one, whose largest force was 2.2 times the accuracy off with an estimate of 0.5 times it.
 #[test]

@@ -75,12 +75,13 @@ pub(super) struct FirstEstimate {
     pub solved: Vec<OrbitPair>,
 }
 
-/// Whether the truncation error of a fast contact needs a run of its own: jumps of the force excite all oscillators, and few
-/// steps do not show what very few oscillators lack.
+/// Whether the truncation error of a fast contact needs a run of its own. Jumps of the force excite all oscillators. Few steps
+/// do not show what very few oscillators lack. Steps follow the oscillators of a contact that is not elastic: fewer of them are
+/// slower ones, so that the errors of steps and basis cancel.
 fn needs_basis_run(plan: &Plan, i: u32, smaller: BasisRule) -> bool {
     match smaller {
-        BasisRule::Contact { count, .. } => {
-            count < plan.policy.first_oscillators || plan.law(i).has_hysteresis()
+        BasisRule::Contact { count, elastic, .. } => {
+            !elastic || count < plan.policy.first_oscillators || plan.law(i).has_hysteresis()
         }
         BasisRule::Shares { .. } => false,
     }
