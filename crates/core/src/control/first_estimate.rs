@@ -4,7 +4,7 @@ use super::decision::Refinement;
 use super::difference_scale::{
     is_fast, remaining_error_factor, remaining_step_error, scaled_difference, scaled_differences,
 };
-use super::missed_compliance::missed;
+use super::missed_compliance::{missed, truncation_error};
 use super::orbit_pair::{self, OrbitPair};
 use super::stencils::Stencils;
 use super::step_reduction::{half_steps, quarter_steps};
@@ -143,8 +143,8 @@ pub(super) fn run(
     kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
     begun.add_missed(stepped);
     if let Some(SmallerBasis { bases, .. }) = &poorer {
-        begun.split_fast(plan, stepped, &rough.outcome.results, (engine, progress))?;
         begun.tell_fast_bases(plan, stepped, bases, (engine, progress))?;
+        begun.split_fast(plan, stepped, &rough.outcome.results, (engine, progress))?;
     }
     Ok(begun)
 }
@@ -315,16 +315,16 @@ impl FirstEstimate {
             }
             let (plan, fine, known) =
                 (&self.plan, &self.settled.outcome.results[i as usize], &mut self.known[i as usize]);
-            let of_bases = remaining_error_factor(plan, i) * scaled_difference(plan, i, rough, third)
-                + basis_choice::unbent(plan, i, &fine.measured);
-            known.of_modes = of_bases.max(missed(plan, i, &fine.measured));
+            let of_bases = scaled_difference(plan, i, rough, third);
+            known.of_modes = truncation_error(plan, i, of_bases, &fine.measured);
             known.of_steps = remaining_step_error(plan, i, steps) * scaled_difference(plan, i, third, fine);
             known.unsplit = None;
         }
         Ok(())
     }
 
-    /// Runs fast contacts that need it again with smaller bases and the same steps: the difference is their truncation error.
+    /// Runs fast contacts again with smaller bases and the same steps, if the first difference says nothing of their bases or the
+    /// first run failed: the difference is their truncation error.
     fn tell_fast_bases(
         &mut self,
         plan: &Plan,
@@ -335,8 +335,9 @@ impl FirstEstimate {
         let results = &self.settled.outcome.results;
         let poorer = |i: &u32| {
             let ok = results[*i as usize].status == Status::Ok;
-            let smaller = bases[*i as usize];
-            ok && needs_basis_run(plan, *i, smaller) && smaller != plan.basis_rule(*i)
+            let untold =
+                self.known[*i as usize].unsplit.is_none() && bases[*i as usize] != plan.basis_rule(*i);
+            ok && is_fast(plan, *i) && untold
         };
         let fast: Vec<u32> = stepped.iter().copied().filter(poorer).collect();
         if fast.is_empty() {

@@ -1,5 +1,7 @@
 //! What a basis misses of the tip's compliance while a contact lasts.
 
+use super::basis_choice::unbent;
+use super::difference_scale::remaining_error_factor;
 use crate::compare::Scales;
 use crate::observe::{Measured, Observable};
 use crate::plan::{Plan, compliance};
@@ -43,4 +45,10 @@ pub(super) fn missed(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
     }
     let error = moved / Scales::of(plan, instance as usize, measured).force;
     if error.is_finite() { error } else { 0.0 }
+}
+
+/// Truncation error of an instance whose result differs by `apart` from that with a poorer basis.
+pub(super) fn truncation_error(plan: &Plan, instance: u32, apart: f64, measured: &Measured) -> f64 {
+    let of_bases = remaining_error_factor(plan, instance) * apart + unbent(plan, instance, measured);
+    of_bases.max(missed(plan, instance, measured))
 }

@@ -3,8 +3,8 @@
 use super::decision::{InstanceSummary, Next, Refinement, next};
 use super::difference_scale::{is_fast, remaining_error_factor, scaled_difference};
 use super::first_estimate::{self, EstimateInputs, FirstEstimate};
-use super::missed_compliance::missed;
-use super::{ChunkRun, basis_choice, fixed_steps, precision_trial, sensitivity};
+use super::missed_compliance::truncation_error;
+use super::{ChunkRun, fixed_steps, precision_trial, sensitivity};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::orbit::{self, OrbitSolution, SETTLED_SHARE};
@@ -203,9 +203,7 @@ impl<'a> RefinementRun<'a> {
                 known.of_steps = policy.left_of_steps * apart;
             }
             Next::RicherBasis => {
-                let unbent = basis_choice::unbent(other, there, &result.measured);
-                let of_bases = remaining_error_factor(other, there) * apart + unbent;
-                known.of_modes = of_bases.max(missed(other, there, &result.measured));
+                known.of_modes = truncation_error(other, there, apart, &result.measured);
             }
             Next::Double => {
                 // The same steps in another precision say nothing about the step error: the next round estimates it.
