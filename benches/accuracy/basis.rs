@@ -82,7 +82,7 @@ pub fn run() -> Vec<Value> {
         // The rate is the plan's own: of the lever that it chose for the contact, or the drive's where it chose none.
         let rate = |i: u32| match whole.basis_rule(i) {
             BasisRule::Contact { rate, .. } => rate,
-            BasisRule::Shares { .. } => 4.0 * whole.drives[0].free.omega,
+            _ => 4.0 * whole.drives[0].free.omega,
         };
         // What this measures is the reduction alone: steps follow all of its oscillators.
         let rule = |i: u32| BasisRule::Contact { rate: rate(i), count, elastic: false };

@@ -9,6 +9,8 @@ pub(super) struct Refinement {
     /// Error of the steps, and truncation error of the basis.
     pub of_steps: f64,
     pub of_modes: f64,
+    /// Error of the resonant modes that the basis leaves out until the measured force asks for them.
+    pub of_resonances: f64,
     /// The first difference, as long as it is not split into steps and basis.
     pub unsplit: Option<f64>,
     /// Most steps that the instance may have.
@@ -23,7 +25,12 @@ pub(super) struct Refinement {
 impl Refinement {
     /// The whole estimate.
     pub fn error(&self) -> f64 {
-        self.of_modes + self.of_steps
+        self.of_steps + self.of_basis()
+    }
+
+    /// The part of it that truncated modes cause.
+    pub fn of_basis(&self) -> f64 {
+        self.of_modes + self.of_resonances
     }
 }
 
@@ -54,6 +61,8 @@ pub(super) enum Next {
     MoreSteps,
     /// A richer basis.
     RicherBasis,
+    /// The same basis with the resonant modes that it leaves out.
+    UnmetModes,
 }
 
 /// Decides from the summary alone.
@@ -74,6 +83,9 @@ pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
         Status::Ok | Status::OutOfRange | Status::NonFinite => {}
         _ => return Next::Accept,
     }
+    if refinement.of_resonances > refinement.of_steps.max(refinement.of_modes) {
+        return Next::UnmetModes;
+    }
     // More steps do not help if the truncation error dominates. That is known once two runs had the same basis.
     let modes_lead = refinement.unsplit.is_none() && refinement.of_modes > refinement.of_steps;
     if modes_lead && known.can_be_richer {
@@ -92,12 +104,14 @@ mod tests {
     const OF_STEPS: Refinement = Refinement {
         of_steps: 9e-4,
         of_modes: 1e-4,
+        of_resonances: 0.0,
         unsplit: None,
         most_steps: 1024,
         finer_before: false,
         stalled: false,
     };
     const OF_MODES: Refinement = Refinement { of_steps: 1e-4, of_modes: 9e-4, ..OF_STEPS };
+    const OF_RESONANCES: Refinement = Refinement { of_resonances: 1e-3, ..OF_MODES };
     const UNTOLD: Refinement = Refinement { unsplit: Some(4e-3), ..OF_MODES };
     const IN_VAIN: Refinement = Refinement { stalled: true, ..OF_STEPS };
     const KNOWN: InstanceSummary = InstanceSummary {
@@ -120,6 +134,7 @@ mod tests {
             ("just above it", InstanceSummary { estimate: 6.1e-4, ..KNOWN }, Next::MoreSteps),
             ("never estimated", InstanceSummary { estimate: f64::NAN, ..KNOWN }, Next::Accept),
             ("modes lead", of(&OF_MODES), Next::RicherBasis),
+            ("resonances lead", of(&OF_RESONANCES), Next::UnmetModes),
             ("not told apart", of(&UNTOLD), Next::MoreSteps),
             ("no richer basis", InstanceSummary { can_be_richer: false, ..of(&OF_MODES) }, Next::MoreSteps),
             ("all steps taken", InstanceSummary { steps: 1024, ..KNOWN }, Next::Accept),

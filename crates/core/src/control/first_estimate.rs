@@ -4,6 +4,7 @@ use super::decision::Refinement;
 use super::difference_scale::{
     is_fast, remaining_error_factor, remaining_step_error, scaled_difference, scaled_differences,
 };
+use super::energy_balance::{missed_resonances, work_of_steps};
 use super::missed_compliance::{missed, truncation_error};
 use super::orbit_pair::{self, OrbitPair};
 use super::stencils::Stencils;
@@ -83,7 +84,7 @@ fn needs_basis_run(plan: &Plan, i: u32, smaller: BasisRule) -> bool {
         BasisRule::Contact { count, elastic, .. } => {
             !elastic || count < plan.policy.first_oscillators || plan.law(i).has_hysteresis()
         }
-        BasisRule::Shares { .. } => false,
+        BasisRule::Shares { .. } | BasisRule::Resonant { .. } => false,
     }
 }
 
@@ -115,6 +116,7 @@ pub(super) fn run(
     let begin = |(i, of_modes): (u32, f64)| Refinement {
         of_steps: 0.0,
         of_modes,
+        of_resonances: 0.0,
         unsplit: None,
         most_steps: (fine.steps(i) << plan.policy.doublings).min(STEPS_MAX),
         finer_before: false,
@@ -141,7 +143,7 @@ pub(super) fn run(
         known.unsplit = of_both.then_some(apart);
     }
     kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
-    begun.add_missed(stepped);
+    begun.add_measured(stepped);
     if let Some(SmallerBasis { bases, .. }) = &poorer {
         begun.tell_fast_bases(plan, stepped, bases, (engine, progress))?;
         begun.split_fast(plan, stepped, &rough.outcome.results, (engine, progress))?;
@@ -263,15 +265,29 @@ impl FirstEstimate {
         stepped.iter().zip(costs).for_each(|(i, cost)| self.known[*i as usize].of_modes += cost);
     }
 
-    /// Adds the error of the virial, then raises the truncation error to what contacts as short as those measured make of it.
-    fn add_missed(&mut self, stepped: &[u32]) {
+    /// Adds the errors that the measurements of the second run tell: of the virial, of contacts shorter than planned, of resonant
+    /// modes left out, of work that steps do.
+    fn add_measured(&mut self, stepped: &[u32]) {
         self.add_unbent(stepped);
         let results = &self.settled.outcome.results;
-        let of = |i: &u32| missed(&self.plan, *i, &results[*i as usize].measured);
-        let all: Vec<f64> = stepped.par_iter().map(of).collect();
-        for (i, missed) in stepped.iter().zip(all) {
+        let of = |i: &u32| {
+            let measured = &results[*i as usize].measured;
+            let plan = &self.plan;
+            (
+                missed(plan, *i, measured),
+                missed_resonances(plan, *i, measured),
+                work_of_steps(plan, *i, measured),
+            )
+        };
+        let all: Vec<(f64, f64, f64)> = stepped.par_iter().map(of).collect();
+        for (i, (missed, of_resonances, of_work)) in stepped.iter().zip(all) {
             let known = &mut self.known[*i as usize];
             known.of_modes = known.of_modes.max(missed);
+            known.of_resonances = of_resonances;
+            // Without a first run it stays unknown.
+            if of_work > known.of_steps {
+                known.of_steps = of_work;
+            }
         }
     }
 
@@ -317,7 +333,8 @@ impl FirstEstimate {
                 (&self.plan, &self.settled.outcome.results[i as usize], &mut self.known[i as usize]);
             let of_bases = scaled_difference(plan, i, rough, third);
             known.of_modes = truncation_error(plan, i, of_bases, &fine.measured);
-            known.of_steps = remaining_step_error(plan, i, steps) * scaled_difference(plan, i, third, fine);
+            let of_steps = remaining_step_error(plan, i, steps) * scaled_difference(plan, i, third, fine);
+            known.of_steps = of_steps.max(work_of_steps(plan, i, &fine.measured));
             known.unsplit = None;
         }
         Ok(())

@@ -18,6 +18,7 @@ mod compact_orbit;
 mod contact_sample;
 mod decision;
 mod difference_scale;
+mod energy_balance;
 mod error_summary;
 mod first_estimate;
 mod fixed_steps;

@@ -2,6 +2,7 @@
 
 use super::decision::{InstanceSummary, Next, Refinement, next};
 use super::difference_scale::{is_fast, remaining_error_factor, scaled_difference};
+use super::energy_balance::{missed_resonances, work_of_steps};
 use super::first_estimate::{self, EstimateInputs, FirstEstimate};
 use super::missed_compliance::truncation_error;
 use super::{ChunkRun, fixed_steps, precision_trial, sensitivity};
@@ -48,16 +49,20 @@ struct Groups {
     double: Vec<u32>,
     more_steps: Vec<u32>,
     richer: Vec<u32>,
+    unmet: Vec<u32>,
 }
 
 impl Groups {
     fn is_empty(&self) -> bool {
-        self.double.is_empty() && self.more_steps.is_empty() && self.richer.is_empty()
+        self.double.is_empty()
+            && self.more_steps.is_empty()
+            && self.richer.is_empty()
+            && self.unmet.is_empty()
     }
 
     /// All of them, sorted by number.
     fn all(&self) -> Vec<u32> {
-        let mut all = [&self.double[..], &self.more_steps, &self.richer].concat();
+        let mut all = [&self.double[..], &self.more_steps, &self.richer, &self.unmet].concat();
         all.sort_unstable();
         all
     }
@@ -75,6 +80,9 @@ struct RefinementRun<'a> {
     progress: &'a Progress,
 }
 
+/// Resonant modes may change a result by this many times their predicted error.
+const UNMET_MARGIN: f64 = 4.0;
+
 impl<'a> RefinementRun<'a> {
     fn new(
         FirstEstimate { plan, settled, known, neighbour_started, solved }: FirstEstimate,
@@ -83,7 +91,7 @@ impl<'a> RefinementRun<'a> {
         progress: &'a Progress,
     ) -> Self {
         let estimates = known.iter().map(Refinement::error).collect();
-        let left_out = known.iter().map(|known| known.of_modes).collect();
+        let left_out = known.iter().map(Refinement::of_basis).collect();
         let now = ChunkRun::new(plan, settled, (estimates, left_out), chosen);
         let now = ChunkRun { neighbour_started, solved, ..now };
         Self { now, known, mixed: chosen.mixed, rounding: chosen.rounding, engine, progress }
@@ -99,6 +107,7 @@ impl<'a> RefinementRun<'a> {
                 Next::Double => groups.double.push(i),
                 Next::MoreSteps => groups.more_steps.push(i),
                 Next::RicherBasis => wants_richer.push(i),
+                Next::UnmetModes => groups.unmet.push(i),
             }
         }
         let (richer, richest) = self.now.plan.can_be_richer(wants_richer);
@@ -133,11 +142,14 @@ impl<'a> RefinementRun<'a> {
         };
         let (single, double) = by_precision(&groups.more_steps, first_round || !self.mixed);
         let (single_richer, double_richer) = by_precision(&groups.richer, true);
+        let (single_unmet, double_unmet) = by_precision(&groups.unmet, true);
         self.again(&groups.double, Next::Double, Precision::F64)?;
         self.again(&single, Next::MoreSteps, Precision::F32)?;
         self.again(&double, Next::MoreSteps, Precision::F64)?;
         self.again(&single_richer, Next::RicherBasis, Precision::F32)?;
-        self.again(&double_richer, Next::RicherBasis, Precision::F64)
+        self.again(&double_richer, Next::RicherBasis, Precision::F64)?;
+        self.again(&single_unmet, Next::UnmetModes, Precision::F32)?;
+        self.again(&double_unmet, Next::UnmetModes, Precision::F64)
     }
 
     /// Runs these instances again and takes their results.
@@ -149,6 +161,7 @@ impl<'a> RefinementRun<'a> {
         let mut other = match what {
             Next::MoreSteps => part.with_steps(|steps| 2 * steps),
             Next::RicherBasis => part.with_richer_bases(),
+            Next::UnmetModes => part.with_unmet_modes(),
             Next::Double | Next::Accept => part,
         };
         let near = orbit::gather(&self.now.found, instances);
@@ -200,10 +213,18 @@ impl<'a> RefinementRun<'a> {
                     let of_bases = remaining_error_factor(other, there) * (first - policy.steepest * apart);
                     known.of_modes = known.of_modes.max(of_bases);
                 }
-                known.of_steps = policy.left_of_steps * apart;
+                let of_work = work_of_steps(other, there, &result.measured);
+                known.of_steps = (policy.left_of_steps * apart).max(of_work);
             }
             Next::RicherBasis => {
                 known.of_modes = truncation_error(other, there, apart, &result.measured);
+                known.of_resonances = missed_resonances(other, there, &result.measured);
+            }
+            Next::UnmetModes => {
+                // Another state may be nearest with these modes. What they cannot explain is an error that more steps must tell.
+                let unexplained = apart - UNMET_MARGIN * known.of_resonances;
+                known.of_steps = known.of_steps.max(policy.left_of_steps * unexplained);
+                known.of_resonances = missed_resonances(other, there, &result.measured);
             }
             Next::Double => {
                 // The same steps in another precision say nothing about the step error: the next round estimates it.
@@ -215,7 +236,7 @@ impl<'a> RefinementRun<'a> {
             }
             Next::Accept => return,
         }
-        (self.now.truncation[n], self.now.estimates[n]) = (known.of_modes, known.error());
+        (self.now.truncation[n], self.now.estimates[n]) = (known.of_basis(), known.error());
     }
 
     /// Ends the run. Instances that were in doubt after the first two runs are tested with a slightly shifted start.

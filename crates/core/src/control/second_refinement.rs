@@ -2,6 +2,7 @@
 
 use super::RunResult;
 use super::difference_scale::scaled_difference;
+use super::energy_balance::{missed_resonances, work_of_steps};
 use super::search_checkpoints::CheckpointedSearch;
 use super::second_orbit::{SecondOrbit, SecondState};
 use crate::engine::{EngineError, Finished};
@@ -34,6 +35,7 @@ pub(super) fn estimated(
     let mut sight = SecondRefinement {
         of_steps: vec![f64::INFINITY; numbers.len()],
         of_modes: numbers.iter().map(|i| run.truncation[*i as usize]).collect(),
+        of_resonances: vec![0.0; numbers.len()],
         others: others.collect(),
         places: all.into_iter().map(|second| *second.orbit).collect(),
         open: vec![false; numbers.len()],
@@ -44,12 +46,13 @@ pub(super) fn estimated(
     }
     sight.refine(&known, pieces)?;
     for &n in &known {
+        let estimate = sight.estimate(n as usize);
         let other = &mut sight.others[n as usize];
         if sight.open[n as usize] {
             other.finished.status = Status::NotRun;
             continue;
         }
-        other.estimate = sight.of_steps[n as usize] + sight.of_modes[n as usize];
+        other.estimate = estimate;
         if other.finished.status == Status::Ok && other.estimate > sight.plan.run.accuracy {
             other.finished.status = Status::AccuracyNotMet;
         }
@@ -64,6 +67,7 @@ struct SecondRefinement {
     places: Vec<PeriodicState>,
     of_steps: Vec<f64>,
     of_modes: Vec<f64>,
+    of_resonances: Vec<f64>,
     /// Whether some of its work was skipped.
     open: Vec<bool>,
 }
@@ -74,8 +78,10 @@ impl SecondRefinement {
         let halved = |steps: u32| (steps / 2).max(fewest.min(steps));
         let coarse = self.plan.part(known).with_steps(halved);
         for (n, found) in self.again(&coarse, known, pieces)? {
-            self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| left * apart);
+            let of_work = work_of_steps(&self.plan, n as u32, &self.others[n].finished.measured);
+            self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| (left * apart).max(of_work));
         }
+        self.add_unmet_modes(known, pieces)?;
         let (poor, _) = self.plan.can_be_richer(known.to_vec());
         let rich = self.plan.part(&poor).with_richer_bases();
         let mut taken = HashMap::new();
@@ -103,10 +109,34 @@ impl SecondRefinement {
             let mut taken = HashMap::new();
             for (there, (n, found)) in self.again(&finer, &rough, pieces)?.into_iter().enumerate() {
                 let Some((apart, finished, place)) = found else { continue };
-                self.of_steps[n] = left * apart;
+                let of_work = work_of_steps(&finer, there as u32, &finished.measured);
+                self.of_steps[n] = (left * apart).max(of_work);
                 self.put(n, finished, *place);
                 self.plan.take_resolution(n as u32, &finer, there as u32, &mut taken);
             }
+        }
+        Ok(())
+    }
+
+    /// Adds the resonant modes that the bases leave out where the measured force asks for them.
+    fn add_unmet_modes(&mut self, known: &[u32], pieces: &CheckpointedSearch) -> Result<(), EngineError> {
+        for &n in known {
+            let measured = &self.others[n as usize].finished.measured;
+            self.of_resonances[n as usize] = missed_resonances(&self.plan, n, measured);
+        }
+        let leads = |n: usize| self.of_resonances[n] > self.of_steps[n].max(self.of_modes[n]);
+        let asked = |n: &&u32| self.estimate(**n as usize) > self.aim() && leads(**n as usize);
+        let unmet: Vec<u32> = known.iter().filter(asked).copied().collect();
+        let with = self.plan.part(&unmet).with_unmet_modes();
+        let mut taken = HashMap::new();
+        for (there, (n, found)) in self.again(&with, &unmet, pieces)?.into_iter().enumerate() {
+            let Some((_, finished, place)) = found else {
+                self.of_resonances[n] = f64::INFINITY;
+                continue;
+            };
+            self.of_resonances[n] = missed_resonances(&with, there as u32, &finished.measured);
+            self.put(n, finished, *place);
+            self.plan.take_resolution(n as u32, &with, there as u32, &mut taken);
         }
         Ok(())
     }
@@ -123,7 +153,7 @@ impl SecondRefinement {
     }
 
     fn estimate(&self, n: usize) -> f64 {
-        self.of_steps[n] + self.of_modes[n]
+        self.of_steps[n] + self.of_modes[n] + self.of_resonances[n]
     }
 
     /// Searches for the states of these instances with another plan, which has these instances only. Returns their distance

@@ -105,7 +105,7 @@ impl Balance<'_> {
             touching = self.contact.next_contact(depth, touching);
             sum += turn.conj() * (self.contact.force_moving(depth, rate, touching) * share);
         };
-        let reversible = !self.contact.law.has_hysteresis() && self.contact.retardation == 0.0;
+        let reversible = self.contact.is_reversible();
         if !reversible {
             goes().rev().for_each(|(angle, share)| add(-angle, share));
         }

@@ -1,5 +1,6 @@
 //! Assigns each instance its drive, with the basis, and its steps.
 
+use super::basis::ModeDemand;
 use super::contact_rate::{Rung, RungCache};
 use super::interning::Interned;
 use super::{Driven, Ensemble, InstanceId, ReducedBasis, steps};
@@ -8,6 +9,7 @@ use crate::instrument::Instrument;
 use crate::scene::{Run, Start, Steady};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Instances whose contacts one thread makes together.
@@ -84,7 +86,7 @@ fn fast_contacts(all: &[(Key, u32)], run: &Run, drives: &mut Vec<Driven>) -> Has
         .par_iter()
         .map(|(drive, rung)| {
             let driven = &drives[*drive as usize];
-            driven.for_rung(*rung, run.accuracy, |accuracy| shares(driven, accuracy, run))
+            driven.for_rung(*rung, run.accuracy, |rule| shares(driven, rule, run))
         })
         .collect();
     let mut made: HashMap<Key, u32> = HashMap::new();
@@ -117,15 +119,28 @@ fn steps_of((run, led): (&Run, bool), (contact, gap): (&Contact, f64), driven: &
     })
 }
 
-/// The modes with the largest shares that `accuracy` needs.
-pub(super) fn shares(driven: &Driven, accuracy: f64, run: &Run) -> ReducedBasis {
-    let most = steps_for_modes(&driven.instrument, driven.frequency(), run.steps_per_period);
-    let wanted = (accuracy, run.accuracy);
-    ReducedBasis::choose(&driven.instrument, driven.free.omega, wanted, run.modes, most)
+/// The modes with the largest shares that an accuracy needs, with or without faint resonant ones.
+pub(super) fn shares(driven: &Driven, (accuracy, resonant): (f64, bool), run: &Run) -> ReducedBasis {
+    by_shares(&driven.instrument, driven.free.omega, (accuracy, resonant), run)
+}
+
+/// The same of an instrument under a drive of angular frequency `omega`. Only periodic states whose accuracy is refined can
+/// begin without faint resonant modes.
+pub(super) fn by_shares(
+    instrument: &Instrument,
+    omega: f64,
+    (accuracy, resonant): (f64, bool),
+    run: &Run,
+) -> ReducedBasis {
+    let most = steps_for_modes(instrument, omega / TAU, run.steps_per_period);
+    let refined =
+        run.steps_per_period.is_none() && run.start == Start::Steady && run.steady == Steady::Search;
+    let demand = ModeDemand { accuracy, asked: run.accuracy, resonant: resonant || !refined };
+    ReducedBasis::choose(instrument, omega, demand, run.modes, most)
 }
 
 /// Most steps per period that a kept mode may need.
-pub(super) fn steps_for_modes(instrument: &Instrument, frequency: f64, asked: Option<u32>) -> f64 {
+fn steps_for_modes(instrument: &Instrument, frequency: f64, asked: Option<u32>) -> f64 {
     match asked {
         Some(steps) => f64::from(steps),
         None => MAX_STEPS_FOR_MODES * (instrument.lever_frequency / frequency).max(1.0),

@@ -11,32 +11,19 @@
 //! chooses the oscillators: the modes that ring on between contacts, and for the rest a rational Krylov reduction of what the
 //! tip feels of it (`compliance.rs`).
 
+use super::BasisRule;
 use super::compliance::{MAX_RATE_RATIO, compliance, reduced};
 use super::oscillator::KeptMode;
-use super::resonant_modes::{is_head_on, resonant_modes};
+use super::resonant_modes::{Resonance, resonances};
 use super::ringing::{
     LONG_RING_SHARE, LeverModes, MAX_LEVER_MODE_RATIO, MIN_REDUCED_OSCILLATORS, left, ringing,
 };
 use crate::instrument::{Instrument, Mode};
 use crate::kernel::{FAST_ANGLE, FlowMode, MODES_MAX, WRITTEN_OUT, own_answer};
 
-/// The rule that chooses the oscillators of a reduced basis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BasisRule {
-    /// Modes in the order of their share of the tip's flexibility until the remainder suits this accuracy, and one residual
-    /// oscillator.
-    Shares { accuracy: f64 },
-    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s. Steps meet fast ones by their means if the contact
-    /// is `elastic`: the force of another depends on their speed.
-    Contact { rate: f64, count: usize, elastic: bool },
-}
-
 /// Bases of more modes than for this share of the requested accuracy are not tried; the contact's rate chooses oscillators
 /// instead.
 pub(crate) const RICHEST_ACCURACY_SHARE: f64 = 0.1;
-
-/// Numbers of oscillators that the rate of a contact may choose.
-pub(super) const OSCILLATOR_COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
 
 /// Allowed error of the compliance at the contact's rate, as a share of the accuracy; the bound is wider beyond that rate, see
 /// [`ReducedBasis::wrong`]. Below the accuracy `COARSE_ACCURACY` the share falls with the accuracy's square root: without that
@@ -53,32 +40,6 @@ const OSCILLATOR_GROWTH: f64 = 0.12;
 /// Modes faster than the contact by more than this are not kept as they are.
 const MAX_MODE_RATE_RATIO: f64 = 64.0;
 
-impl BasisRule {
-    /// A key for bases made before.
-    pub fn key(&self) -> [u64; 2] {
-        match self {
-            Self::Shares { accuracy } => [accuracy.to_bits(), 0],
-            Self::Contact { rate, count, elastic } => {
-                [rate.to_bits(), (*count as u64) << 1 | u64::from(*elastic)]
-            }
-        }
-    }
-
-    /// The next rule with fewer oscillators, if the contact's rate chose this one.
-    pub fn poorer(&self) -> Option<Self> {
-        let Self::Contact { rate, count, elastic } = *self else { return None };
-        let fewer = OSCILLATOR_COUNTS.into_iter().rev().find(|other| *other < count).unwrap_or(count - 1);
-        Some(Self::Contact { rate, count: fewer, elastic })
-    }
-
-    /// The next rule with more oscillators, likewise.
-    pub fn richer(&self) -> Option<Self> {
-        let Self::Contact { rate, count, elastic } = *self else { return None };
-        let more = OSCILLATOR_COUNTS.into_iter().find(|other| *other > count)?;
-        Some(Self::Contact { rate, count: more, elastic })
-    }
-}
-
 /// The oscillators that replace an instrument under a force on its tip, largest share of the flexibility first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReducedBasis {
@@ -89,10 +50,22 @@ pub struct ReducedBasis {
     pub residual_share: f64,
     /// Whether one residual oscillator replaces the faster modes.
     pub residual_kept: bool,
+    /// Modes that a harmonic of the drive meets and no oscillator stands for. The measured force tells whether they matter.
+    pub unmet: Vec<Resonance>,
     /// The rule that chose them.
     pub rule: BasisRule,
     /// The reason for the choice, in words.
     pub reason: String,
+}
+
+/// What modes are chosen for.
+#[derive(Clone, Copy, Debug)]
+pub struct ModeDemand {
+    /// Accuracy of this basis, and that of the run.
+    pub accuracy: f64,
+    pub asked: f64,
+    /// Whether it has the faint resonant modes, those whose share no basis on trial has.
+    pub resonant: bool,
 }
 
 /// Most steps per period the rule gives; a scene may ask for more.
@@ -115,34 +88,46 @@ fn reduction_reason(exact: usize, made: usize, rate: f64) -> String {
 impl ReducedBasis {
     /// Chooses modes for a drive of angular frequency `omega`, in order of their share, until the remainder is below three
     /// times `accuracy`. The remainder becomes a residual oscillator if it is above a tenth of `accuracy` and slow enough to
-    /// be stepped with `steps_max` steps a period. Adds modes resonant with a harmonic of the drive if the run's accuracy
-    /// `asked` needs them. `count` overrides all this: exactly so many modes, nothing for the rest.
+    /// be stepped with `steps_max` steps a period. Adds modes resonant with a harmonic of the drive if a hard contact needs them.
+    /// `count` overrides all this: exactly so many modes, nothing for the rest.
     pub fn choose(
         instrument: &Instrument,
         omega: f64,
-        (accuracy, asked): (f64, f64),
+        ModeDemand { accuracy, asked, resonant }: ModeDemand,
         count: Option<usize>,
         steps_max: f64,
     ) -> Self {
         let fastest = fastest_stepped(omega, steps_max);
         let mut kept = Self::by_share(instrument, accuracy, count, (fastest, steps_max));
+        if resonant {
+            kept.rule = BasisRule::Resonant { accuracy };
+        }
         if let Some(count) = count {
             kept.reason = format!("{count} modes, as the scene says");
             return kept;
         }
         let has = |basis: &Self, k: usize| basis.modes.iter().any(|mode| mode.index == Some(k));
-        let slow = |k: &usize| instrument.modes[*k].omega <= fastest;
-        let mut met = resonant_modes(&instrument.modes, omega, asked);
-        met.retain(|k| slow(k) && !has(&kept, *k));
+        let mut met = resonances(&instrument.modes, omega, asked);
+        met.retain(|one| instrument.modes[one.mode].omega <= fastest && !has(&kept, one.mode));
         if !met.is_empty() {
             // Trials show whether modes of a larger basis are needed. But hardly any member of their sample has a mode that a
             // harmonic meets head-on.
             let richest =
                 Self::by_share(instrument, RICHEST_ACCURACY_SHARE * asked, None, (fastest, steps_max));
-            met.retain(|k| !has(&richest, *k) || is_head_on(&instrument.modes[*k], omega));
+            met.retain(|one| !has(&richest, one.mode) || one.is_head_on());
+            kept.unmet.extend(met.extract_if(.., |one| !resonant && !has(&richest, one.mode)));
         }
+        let met: Vec<usize> = met.iter().map(|one| one.mode).collect();
         kept.add_residual(instrument, &met, accuracy, fastest);
         kept.add_met(instrument, &met);
+        let frequency = |one: &Resonance| instrument.modes[one.mode].omega / std::f64::consts::TAU / 1e3;
+        let waiting: Vec<String> = kept.unmet.iter().map(|one| format!("{:.4}", frequency(one))).collect();
+        if !waiting.is_empty() {
+            kept.note(format!(
+                "harmonics of the drive meet faint modes at {} kHz: they join where the measured force asks for them",
+                waiting.join(", ")
+            ));
+        }
         kept
     }
 
@@ -185,7 +170,15 @@ impl ReducedBasis {
             modes.push(KeptMode::of(instrument, k));
         }
         let rule = BasisRule::Shares { accuracy };
-        Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason }
+        Self {
+            modes,
+            flexibility,
+            residual_share: left,
+            residual_kept: false,
+            unmet: Vec::new(),
+            rule,
+            reason,
+        }
     }
 
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
@@ -226,7 +219,15 @@ impl ReducedBasis {
             false => reduction_reason(exact.len(), count - exact.len(), rate),
         };
         let rule = BasisRule::Contact { rate, count, elastic };
-        Some(Self { modes, flexibility, residual_share: left, residual_kept: false, rule, reason })
+        Some(Self {
+            modes,
+            flexibility,
+            residual_share: left,
+            residual_kept: false,
+            unmet: Vec::new(),
+            rule,
+            reason,
+        })
     }
 
     /// Initial number of oscillators for an accuracy, with contacts of the rate `rate` (rad/s).
@@ -345,7 +346,7 @@ impl ReducedBasis {
     /// The same as steps of this length (s) meet it: fast oscillators count by their mean answer to a force within a step.
     pub fn stepped_inverse_mass(&self, step: f64) -> f64 {
         match self.rule {
-            BasisRule::Shares { .. } => self.inverse_mass(),
+            BasisRule::Shares { .. } | BasisRule::Resonant { .. } => self.inverse_mass(),
             BasisRule::Contact { .. } => self.inverse_mass() * own_answer(&self.flow(), step),
         }
     }
@@ -381,7 +382,7 @@ impl ReducedBasis {
     /// their means; for another contact those alone that the most steps cannot follow.
     fn flow_mode(&self, mode: &KeptMode) -> FlowMode {
         let fast_angle = match self.rule {
-            BasisRule::Shares { .. } => f64::INFINITY,
+            BasisRule::Shares { .. } | BasisRule::Resonant { .. } => f64::INFINITY,
             BasisRule::Contact { elastic: true, .. } => FAST_ANGLE,
             BasisRule::Contact { elastic: false, .. } => 2.0 * FAST_ANGLE,
         };

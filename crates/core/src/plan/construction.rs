@@ -1,6 +1,6 @@
 //! Builds the plan of a scene.
 
-use super::assignment::{self, INSTANCES_AT_ONCE, steps_for_modes};
+use super::assignment::{self, INSTANCES_AT_ONCE};
 use super::ensemble::Gaps;
 use super::interning::{Codes, Interned};
 use super::resolution::{Ids, InstanceResolutions};
@@ -36,7 +36,9 @@ impl Plan {
         let resolution = assignment::resolutions(&ensemble, &scene.run, &mut drives);
         let asked = wants(&scene.output.observables);
         let holds_force = matches!(scene.base.approach.held, Some(Held::Force(_)));
-        let (extremes, viscous) = (asked.extremes || asked.energy || holds_force, ensemble.has_viscous());
+        let unmet = drives.iter().any(|driven| !driven.kept.unmet.is_empty());
+        let (extremes, viscous) =
+            (asked.extremes || asked.energy || holds_force || unmet, ensemble.has_viscous());
         Ok(Self {
             ids: Ids::All(ensemble.len() as u32),
             resolution: InstanceResolutions::coded(resolution),
@@ -49,6 +51,8 @@ impl Plan {
                 energy: asked.energy || scene.run.steady == Steady::Search,
                 // Errors of the mean force, and of energies from rest, are relative to the largest force.
                 extremes,
+                // Contact time and largest force tell what faint modes lose.
+                contact: asked.contact || unmet,
                 // Where the tip went does not tell the force of a viscous sample.
                 forces: extremes && viscous,
                 ..asked
@@ -296,10 +300,8 @@ impl Swing {
             DriveFrequency::Hertz(frequency) => frequency,
             DriveFrequency::Resonance => instrument.resonance()?,
         };
-        let most = steps_for_modes(instrument, frequency, scene.run.steps_per_period);
-        let omega = TAU * frequency;
-        let wanted = (scene.run.accuracy, scene.run.accuracy);
-        let kept = ReducedBasis::choose(instrument, omega, wanted, scene.run.modes, most);
+        let (omega, accuracy) = (TAU * frequency, scene.run.accuracy);
+        let kept = assignment::by_shares(instrument, omega, (accuracy, false), &scene.run);
         let unit = instrument.unit_motion(frequency)?;
         Ok(Self { instrument: Arc::clone(instrument), unit, kept: Arc::new(kept) })
     }

@@ -1,6 +1,7 @@
 //! The rate of a contact, at which its stiffness and the lever's compliance balance.
 
-use super::basis::{OSCILLATOR_COUNTS, RICHEST_ACCURACY_SHARE};
+use super::basis::RICHEST_ACCURACY_SHARE;
+use super::basis_rule::OSCILLATOR_COUNTS;
 use super::compliance::compliance;
 use super::{BasisRule, Driven, ReducedBasis};
 use crate::contact::Contact;
@@ -144,11 +145,12 @@ impl Driven {
         &self,
         rung: Rung,
         accuracy: f64,
-        shares: impl FnOnce(f64) -> ReducedBasis,
+        shares: impl FnOnce((f64, bool)) -> ReducedBasis,
     ) -> Option<Arc<ReducedBasis>> {
         let (instrument, rate) = (&self.instrument, self.rate(rung));
         let serves = |kept: &ReducedBasis| kept.serves(instrument, self.free.omega, rate, accuracy);
-        if rung.power == 0 || serves(&self.kept) || serves(&shares(RICHEST_ACCURACY_SHARE * accuracy)) {
+        if rung.power == 0 || serves(&self.kept) || serves(&shares((RICHEST_ACCURACY_SHARE * accuracy, true)))
+        {
             return None;
         }
         let count = ReducedBasis::oscillators(instrument, self.free.omega, rate, accuracy);
@@ -180,11 +182,12 @@ impl Driven {
     pub(super) fn reduced_by(
         &self,
         rule: BasisRule,
-        shares: impl FnOnce(f64) -> ReducedBasis,
+        shares: impl FnOnce((f64, bool)) -> ReducedBasis,
     ) -> Arc<ReducedBasis> {
         match rule {
             _ if rule == self.kept.rule => Arc::clone(&self.kept),
-            BasisRule::Shares { accuracy: own } => Arc::new(shares(own)),
+            BasisRule::Shares { accuracy } => Arc::new(shares((accuracy, false))),
+            BasisRule::Resonant { accuracy } => Arc::new(shares((accuracy, true))),
             BasisRule::Contact { rate, count, elastic } => {
                 ReducedBasis::for_contact(&self.instrument, self.free.omega, (rate, count, elastic))
                     .map_or_else(|| Arc::clone(&self.kept), Arc::new)

@@ -1,7 +1,7 @@
 //! Plans derived from others of the same ensemble: some instances, other steps, other bases.
 
 use super::contact_rate::Rung;
-use super::rebasing::{fewest_steps, notch, reduced_by, richer_than};
+use super::rebasing::{fewest_steps, notch, reduced_by, richer_than, with_unmet};
 use super::resolution::{Ids, InstanceResolution, InstanceResolutions};
 use super::{BasisRule, Driven, InstanceId, Plan, Precision, ReducedBasis, StartState, steps};
 use crate::observe::wants;
@@ -100,9 +100,7 @@ impl Plan {
     #[must_use]
     pub fn with_shares(mut self, accuracy: f64) -> Self {
         for driven in &mut self.drives {
-            if let BasisRule::Shares { .. } = driven.kept.rule {
-                driven.kept = reduced_by(driven, BasisRule::Shares { accuracy }, &self.run);
-            }
+            driven.kept = reduced_by(driven, driven.kept.rule.with_accuracy(|_| accuracy), &self.run);
         }
         if self.run.steps_per_period.is_none() {
             for i in self.stepped() {
@@ -126,14 +124,25 @@ impl Plan {
 
     /// Uses the next larger basis of each instance, and at least half the steps that this basis safely needs.
     #[must_use]
-    pub fn with_richer_bases(mut self) -> Self {
+    pub fn with_richer_bases(self) -> Self {
+        self.with_larger(notch)
+    }
+
+    /// Adds the modes that a harmonic of the drive meets to the bases that lack them, likewise.
+    #[must_use]
+    pub fn with_unmet_modes(self) -> Self {
+        self.with_larger(|driven, _, run| with_unmet(driven, run))
+    }
+
+    /// Uses the `larger` basis of each instance, if there is one.
+    fn with_larger(mut self, larger: impl Fn(&Driven, Rung, &Run) -> Option<Arc<ReducedBasis>>) -> Self {
         let mut made: HashMap<(u32, Rung), u32> = HashMap::new();
         for i in self.instances() {
             let case = self.case(i);
             let driven = self.driven(i).clone();
             let rung = driven.rung(&case.contact, case.gap);
             let drive = *made.entry((case.drive, rung)).or_insert_with(|| {
-                let Some(kept) = notch(&driven, rung, &self.run) else { return case.drive };
+                let Some(kept) = larger(&driven, rung, &self.run) else { return case.drive };
                 self.drives.push(Driven { kept, ..driven });
                 self.drives.len() as u32 - 1
             });

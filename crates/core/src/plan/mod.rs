@@ -3,6 +3,7 @@
 
 mod assignment;
 mod basis;
+mod basis_rule;
 mod classes;
 mod compliance;
 mod construction;
@@ -25,7 +26,8 @@ mod steps;
 mod unshared_drives;
 
 pub(crate) use basis::RICHEST_ACCURACY_SHARE;
-pub use basis::{BasisRule, ReducedBasis, STEPS_MAX};
+pub use basis::{ReducedBasis, STEPS_MAX};
+pub use basis_rule::BasisRule;
 pub use classes::{Class, Shape};
 pub use compliance::{compliance, reduced};
 pub use construction::PlanError;
@@ -36,6 +38,7 @@ pub use plan_summary::PlanSummary;
 pub use policy::Policy;
 pub use precision::Precision;
 pub use rebasing::Rebasing;
+pub use resonant_modes::Resonance;
 pub use steps::STEPS_MIN;
 
 use crate::contact::{Compact, Contact, Law};

@@ -63,7 +63,7 @@ impl Rebasing {
             return;
         }
         let steps = match basis {
-            BasisRule::Shares { accuracy } if accuracy > run.accuracy => {
+            BasisRule::Shares { accuracy } | BasisRule::Resonant { accuracy } if accuracy > run.accuracy => {
                 own.min(steps_of(&plan.case(i), driven, run))
             }
             _ => own.max(fewest_steps(&plan.case(i), driven, run)),
@@ -117,13 +117,22 @@ pub(super) fn notch(driven: &Driven, rung: Rung, run: &Run) -> Option<Arc<Reduce
             let richer = reduced_by(driven, driven.kept.rule.richer()?, run);
             (richer.modes != driven.kept.modes).then_some(richer)
         }
-        BasisRule::Shares { accuracy } => {
-            let accuracies = (1..=MAX_NOTCHES as i32).map(|n| accuracy * NOTCH_ACCURACY_RATIO.powi(n));
-            let mut bases =
-                accuracies.map(|accuracy| reduced_by(driven, BasisRule::Shares { accuracy }, run));
+        rule => {
+            let finer = |n| rule.with_accuracy(|accuracy| accuracy * NOTCH_ACCURACY_RATIO.powi(n));
+            let mut bases = (1..=MAX_NOTCHES as i32).map(|n| reduced_by(driven, finer(n), run));
             let found = bases.find(|basis| basis.modes != driven.kept.modes);
             found.or_else(|| richer_than(driven, rung, driven.kept.modes.len()))
         }
+    }
+}
+
+/// An instance's basis with the modes that a harmonic of the drive meets; `None` if it has them.
+pub(super) fn with_unmet(driven: &Driven, run: &Run) -> Option<Arc<ReducedBasis>> {
+    match driven.kept.rule {
+        BasisRule::Shares { accuracy } if !driven.kept.unmet.is_empty() => {
+            Some(reduced_by(driven, BasisRule::Resonant { accuracy }, run))
+        }
+        _ => None,
     }
 }
 
@@ -134,7 +143,7 @@ pub(super) fn richer_than(driven: &Driven, rung: Rung, modes: usize) -> Option<A
 
 /// The basis that a rule asks for.
 pub(super) fn reduced_by(driven: &Driven, rule: BasisRule, run: &Run) -> Arc<ReducedBasis> {
-    driven.reduced_by(rule, |accuracy| shares(driven, accuracy, run))
+    driven.reduced_by(rule, |wanted| shares(driven, wanted, run))
 }
 
 /// Fewest steps with which a case may step its basis: as many as the fastest oscillator needs, or as the rule gives for

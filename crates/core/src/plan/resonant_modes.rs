@@ -5,6 +5,7 @@
 //! shows the loss in its phase, which hardly anything else determines. Two runs that both lack the mode do not show it.
 
 use crate::instrument::Mode;
+use nalgebra::Complex;
 
 /// A mode is kept if its loss under a harmonic of the tip force, as a share of the tip's flexibility and times the quality
 /// factor of the driven mode, exceeds this many accuracies. `tests/hard/rod_met.toml`, asked for 1e-3, has modes of 0.84 and
@@ -16,15 +17,47 @@ const SMOOTH_HARMONIC: f64 = 10.0;
 
 /// A harmonic meets a mode head-on if the mode's out-of-phase response is this many times its static one. Few of many
 /// frequencies or levers are so, and no trial on a sample of them shows it.
-const HEAD_ON_ANSWER: f64 = 10.0;
+const HEAD_ON_RESPONSE: f64 = 10.0;
 
-/// Response of a mode to a force of angular frequency `omega`, over the static one: the part in phase, and the part that lags
-/// a quarter of a period.
-fn answer(mode: &Mode, omega: f64) -> (f64, f64) {
+/// A mode under the nearest harmonic of the tip force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resonance {
+    /// Index among the instrument's modes.
+    pub mode: usize,
+    pub harmonic: f64,
+    /// Its tip flexibility, m/N, and its response over the static one.
+    flexibility: f64,
+    response: Complex<f64>,
+}
+
+impl Resonance {
+    /// The mode of this number under a drive of angular frequency `omega`.
+    fn of(number: usize, mode: &Mode, omega: f64) -> Self {
+        let harmonic = (mode.omega / omega).round().max(1.0);
+        let response = response(mode, harmonic * omega);
+        Self { mode: number, harmonic, flexibility: flexibility(mode), response }
+    }
+
+    /// Whether the harmonic meets the mode head-on.
+    pub(super) fn is_head_on(&self) -> bool {
+        -self.response.im > HEAD_ON_RESPONSE
+    }
+
+    /// Tip displacement per force of this harmonic, m/N; the imaginary part is negative and loses energy.
+    pub fn compliance(&self) -> Complex<f64> {
+        self.flexibility * self.response
+    }
+
+    /// Bound of the mode's loss under any expected contact: its compliance out of phase, m/N.
+    fn lossy_compliance(&self) -> f64 {
+        -self.compliance().im * (SMOOTH_HARMONIC / self.harmonic).min(1.0).powi(4)
+    }
+}
+
+/// Response of a mode to a force of angular frequency `omega`, over the static one.
+fn response(mode: &Mode, omega: f64) -> Complex<f64> {
     let ratio = omega / mode.omega;
-    let (stiff, lossy) = (1.0 - ratio * ratio, ratio / mode.quality_factor);
-    let size = stiff * stiff + lossy * lossy;
-    (stiff / size, lossy / size)
+    Complex::new(1.0 - ratio * ratio, ratio / mode.quality_factor).inv()
 }
 
 /// The tip's flexibility by one mode, m/N.
@@ -32,41 +65,17 @@ fn flexibility(mode: &Mode) -> f64 {
     (mode.inverse_mass() / mode.omega.powi(2)).abs()
 }
 
-/// The harmonic of the drive at `omega` that is nearest to the mode.
-fn nearest_harmonic(mode: &Mode, omega: f64) -> f64 {
-    (mode.omega / omega).round().max(1.0)
-}
-
-/// Whether a harmonic of the drive meets the mode head-on.
-pub(super) fn is_head_on(mode: &Mode, omega: f64) -> bool {
-    answer(mode, nearest_harmonic(mode, omega) * omega).1 > HEAD_ON_ANSWER
-}
-
-/// Loss of the mode under the nearest harmonic of the tip force: its compliance out of phase, m/N.
-fn lossy_compliance(mode: &Mode, omega: f64) -> f64 {
-    let harmonic = nearest_harmonic(mode, omega);
-    let (_, lags) = answer(mode, harmonic * omega);
-    flexibility(mode) * lags * (SMOOTH_HARMONIC / harmonic).min(1.0).powi(4)
-}
-
-/// Indices of the modes that a drive of angular frequency `omega` (rad/s) excites so much that `accuracy` needs them, the
-/// largest loss first.
-pub(super) fn resonant_modes(modes: &[Mode], omega: f64, accuracy: f64) -> Vec<usize> {
-    let swing = |mode: &Mode| {
-        let (ahead, lags) = answer(mode, omega);
-        flexibility(mode) * ahead.hypot(lags)
-    };
+/// The modes that a drive of angular frequency `omega` (rad/s) may excite so much that `accuracy` needs them, the largest loss
+/// first.
+pub(super) fn resonances(modes: &[Mode], omega: f64, accuracy: f64) -> Vec<Resonance> {
+    let swing = |mode: &Mode| flexibility(mode) * response(mode, omega).norm();
     let driven = modes.iter().max_by(|a, b| swing(a).total_cmp(&swing(b)));
     let quality = driven.map_or(0.0, |mode| mode.quality_factor);
     let least = MIN_LOSS_RATIO * accuracy * modes.iter().map(flexibility).sum::<f64>() / quality;
-    let mut met: Vec<(usize, f64)> = modes
-        .iter()
-        .map(|mode| lossy_compliance(mode, omega))
-        .enumerate()
-        .filter(|(_, lost)| *lost > least)
-        .collect();
-    met.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    met.into_iter().map(|(k, _)| k).collect()
+    let all = modes.iter().enumerate().map(|(k, mode)| Resonance::of(k, mode, omega));
+    let mut met: Vec<Resonance> = all.filter(|one| one.lossy_compliance() > least).collect();
+    met.sort_by(|a, b| b.lossy_compliance().total_cmp(&a.lossy_compliance()).then(a.mode.cmp(&b.mode)));
+    met
 }
 
 #[cfg(test)]
@@ -92,7 +101,7 @@ mod tests {
 
     #[test]
     fn a_mode_at_resonance_loses_its_share_times_its_quality_factor() {
-        let lost = lossy_compliance(&mode(1e-5, 6.0, 100.0), std::f64::consts::TAU);
+        let lost = Resonance::of(0, &mode(1e-5, 6.0, 100.0), std::f64::consts::TAU).lossy_compliance();
         assert!((lost / 1e-3 - 1.0).abs() < 1e-12, "{lost}");
     }
 
@@ -101,7 +110,7 @@ mod tests {
     #[test]
     fn a_mode_within_a_few_widths_of_a_harmonic_is_met_head_on() {
         let omega = std::f64::consts::TAU;
-        let met = |frequency| is_head_on(&mode(3e-3, frequency, 1100.0), omega);
+        let met = |frequency| Resonance::of(0, &mode(3e-3, frequency, 1100.0), omega).is_head_on();
         assert!(met(16.964) && met(17.0));
         assert!(!met(16.9) && !met(6.27));
     }
@@ -109,7 +118,10 @@ mod tests {
     #[test]
     fn what_a_harmonic_meets_is_kept_where_the_lever_rings_long() {
         let omega = std::f64::consts::TAU;
-        let met = |frequency, quality| resonant_modes(&with_mode_at(frequency, quality), omega, 1e-3);
+        let met = |frequency, quality| -> Vec<usize> {
+            let all = resonances(&with_mode_at(frequency, quality), omega, 1e-3);
+            all.iter().map(|one| one.mode).collect()
+        };
         assert_eq!(met(6.0, 2000.0), [0, 1]);
         assert_eq!(met(6.5, 2000.0), [0]);
         assert_eq!(met(6.0, 50.0), [0]);

@@ -126,6 +126,11 @@ impl std::ops::Deref for Contact {
 }
 
 impl Contact {
+    /// Whether the contact gives back all energy that it takes.
+    pub fn is_reversible(&self) -> bool {
+        !self.law.has_hysteresis() && self.retardation == 0.0
+    }
+
     /// Decides the law and works out its constants.
     ///
     /// `auto` goes by Tabor's parameter (see [`AUTO_BOUNDARY`]); without adhesion it is Hertz, and
