@@ -30,7 +30,7 @@ const FAST_CONTACT_REFINEMENT: f64 = 2.0;
 /// The same below the accuracy [`JUMPS_BELOW`] if the force jumps: jumps ring all oscillators. Of 450 random levers under JKR
 /// (accuracy 1e-4) five have a largest force beyond the accuracy with 2 and two with 3, for a fifth more steps.
 const JUMP_REFINEMENT: f64 = 3.0;
-const JUMPS_BELOW: f64 = 1e-3;
+pub(super) const JUMPS_BELOW: f64 = 1e-3;
 
 /// The rule: enough steps for the requested accuracy, for the fastest mode that was chosen by its share, and for the contact at
 /// the expected largest indentation. The contact meets faster oscillators by their mean over a step, so that the lever it sees
