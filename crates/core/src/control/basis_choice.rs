@@ -1,6 +1,6 @@
 //! The choice of each instance's basis, by a sample of instances with smaller and richer ones.
 
-use super::basis_rules::BasisRules;
+use super::basis_rule_table::BasisRuleTable;
 use super::basis_trials::{self, BasisTrial, StiffnessRank, TrialCosts};
 use super::contact_sample::{ContactKind, by_stiffness, kind_and_stiffness, spread};
 use super::difference_scale::is_fast;
@@ -25,7 +25,7 @@ pub(super) struct BasisTrialSet {
 pub(super) struct BasisChoice {
     pub plan: Plan,
     /// Rule of each instance's next smaller basis. None if the sample has all instances.
-    pub smaller: Option<BasisRules>,
+    pub smaller: Option<BasisRuleTable>,
     /// Truncation error of each instance, from the sample. Empty if it is zero.
     pub truncation: Vec<f64>,
 }
@@ -85,7 +85,7 @@ pub(super) fn choose_bases(plan: &Plan, stepped: &[u32], tried: Option<&BasisTri
 fn as_planned(plan: &Plan, some_fast: bool) -> BasisChoice {
     let count = plan.len();
     let poorer = some_fast.then(|| {
-        let mut poorer = BasisRules::of(count, BasisRule::Shares { accuracy: plan.run.accuracy });
+        let mut poorer = BasisRuleTable::of(count, BasisRule::Shares { accuracy: plan.run.accuracy });
         (0..count as u32).for_each(|i| poorer.put(i, next_smaller(plan.basis_rule(i))));
         poorer
     });
@@ -134,7 +134,7 @@ struct BasisAssignment<'a> {
     plan: &'a Plan,
     rebasing: Rebasing,
     /// Smaller basis of each instance.
-    smaller: BasisRules,
+    smaller: BasisRuleTable,
     truncation: Vec<f64>,
     /// Whether any chosen basis has a smaller one.
     any_smaller: bool,
@@ -142,7 +142,7 @@ struct BasisAssignment<'a> {
 
 impl<'a> BasisAssignment<'a> {
     fn new(plan: &'a Plan) -> Self {
-        let poorer = BasisRules::of(plan.len(), BasisRule::Shares { accuracy: plan.run.accuracy });
+        let poorer = BasisRuleTable::of(plan.len(), BasisRule::Shares { accuracy: plan.run.accuracy });
         let left_out = vec![0.0; plan.len()];
         Self {
             plan,

@@ -1,7 +1,7 @@
 //! Runs all instances of a plan, chunk by chunk.
 
 use super::basis_choice::{self, BasisChoice};
-use super::basis_rules::BasisRules;
+use super::basis_rule_table::BasisRuleTable;
 use super::block_solver::{self, BlockSolver};
 use super::choices::{Choices, Course};
 use super::chunk::{Chunk, ChunkJournal};
@@ -22,7 +22,7 @@ struct ChunkWork<'a> {
     /// Truncation error of each instance of the plan; see [`basis_choice::BasisChoice`].
     truncation: Vec<f64>,
     /// Smaller basis of each instance of the plan; see [`EstimateInputs`].
-    smaller_basis: Option<BasisRules>,
+    smaller_basis: Option<BasisRuleTable>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
     engine: &'a dyn Engine,
@@ -59,7 +59,8 @@ impl ChunkWork<'_> {
                     .iter()
                     .map(|i| self.truncation.get(*i as usize).copied().unwrap_or(0.0))
                     .collect();
-                let of = |all: &BasisRules| portion.iter().map(|i| all.get(*i)).collect::<Vec<BasisRule>>();
+                let of =
+                    |all: &BasisRuleTable| portion.iter().map(|i| all.get(*i)).collect::<Vec<BasisRule>>();
                 let poorer = self.smaller_basis.as_ref().map(|all| SmallerBasis::of(&part, of(all)));
                 if let Some(blocks) = &whole.division().blocks {
                     let order = blocks.within(number, &part);

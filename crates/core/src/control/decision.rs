@@ -25,12 +25,7 @@ pub(super) struct Refinement {
 impl Refinement {
     /// The whole estimate.
     pub fn error(&self) -> f64 {
-        self.of_steps + self.of_basis()
-    }
-
-    /// The part of it that truncated modes cause.
-    pub fn of_basis(&self) -> f64 {
-        self.of_modes + self.of_resonances
+        self.of_modes + self.of_steps + self.of_resonances
     }
 }
 
@@ -83,7 +78,9 @@ pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
         Status::Ok | Status::OutOfRange | Status::NonFinite => {}
         _ => return Next::Accept,
     }
-    if refinement.of_resonances > refinement.of_steps.max(refinement.of_modes) {
+    // What a failed run measured tells no force.
+    let resonances_lead = refinement.of_resonances > refinement.of_steps.max(refinement.of_modes);
+    if resonances_lead && known.status == Status::Ok {
         return Next::UnmetModes;
     }
     // More steps do not help if the truncation error dominates. That is known once two runs had the same basis.
@@ -135,6 +132,15 @@ mod tests {
             ("never estimated", InstanceSummary { estimate: f64::NAN, ..KNOWN }, Next::Accept),
             ("modes lead", of(&OF_MODES), Next::RicherBasis),
             ("resonances lead", of(&OF_RESONANCES), Next::UnmetModes),
+            (
+                "no force is told",
+                InstanceSummary {
+                    refinement: &OF_RESONANCES,
+                    can_be_richer: false,
+                    ..lost(Status::NonFinite)
+                },
+                Next::MoreSteps,
+            ),
             ("not told apart", of(&UNTOLD), Next::MoreSteps),
             ("no richer basis", InstanceSummary { can_be_richer: false, ..of(&OF_MODES) }, Next::MoreSteps),
             ("all steps taken", InstanceSummary { steps: 1024, ..KNOWN }, Next::Accept),

@@ -48,7 +48,7 @@ pub(super) fn missed_resonances(plan: &Plan, instance: u32, measured: &Measured)
 }
 
 /// Error of an instance's phase from what steps add or take. A contact that loses nothing shows it: its measured dissipation is
-/// the steps' alone. 0 under any other contact, or if the phase is not requested.
+/// the steps' alone. 0 under any other contact, without a measured dissipation, or if the phase is not requested.
 pub(super) fn work_of_steps(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
     let contact = plan.contact(instance);
     if !contact.is_reversible() || !plan.observables.contains(&Observable::Phase) {
@@ -67,6 +67,7 @@ fn harmonic_bound(measured: &Measured, harmonic: f64, edges: bool) -> f64 {
     let envelope = if edges || turned <= 1.0 { 1.0 } else { (turned * turned - 1.0).recip().min(1.0) };
     2.0 * (repulsion * envelope + attraction)
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 
 mod audit;
 mod basis_choice;
-mod basis_rules;
+mod basis_rule_table;
 mod basis_trials;
 mod block_solver;
 mod branch_switching;

@@ -91,7 +91,7 @@ impl<'a> RefinementRun<'a> {
         progress: &'a Progress,
     ) -> Self {
         let estimates = known.iter().map(Refinement::error).collect();
-        let left_out = known.iter().map(Refinement::of_basis).collect();
+        let left_out = known.iter().map(|known| known.of_modes).collect();
         let now = ChunkRun::new(plan, settled, (estimates, left_out), chosen);
         let now = ChunkRun { neighbour_started, solved, ..now };
         Self { now, known, mixed: chosen.mixed, rounding: chosen.rounding, engine, progress }
@@ -236,7 +236,7 @@ impl<'a> RefinementRun<'a> {
             }
             Next::Accept => return,
         }
-        (self.now.truncation[n], self.now.estimates[n]) = (known.of_basis(), known.error());
+        (self.now.truncation[n], self.now.estimates[n]) = (known.of_modes, known.error());
     }
 
     /// Ends the run. Instances that were in doubt after the first two runs are tested with a slightly shifted start.

@@ -86,6 +86,16 @@ fn reduction_reason(exact: usize, made: usize, rate: f64) -> String {
 }
 
 impl ReducedBasis {
+    /// Oscillators alone, of an instrument of this flexibility (m/N), of which they lack this share.
+    fn of(
+        modes: Vec<KeptMode>,
+        (flexibility, residual_share): (f64, f64),
+        rule: BasisRule,
+        reason: String,
+    ) -> Self {
+        Self { modes, flexibility, residual_share, residual_kept: false, unmet: Vec::new(), rule, reason }
+    }
+
     /// Chooses modes for a drive of angular frequency `omega`, in order of their share, until the remainder is below three
     /// times `accuracy`. The remainder becomes a residual oscillator if it is above a tenth of `accuracy` and slow enough to
     /// be stepped with `steps_max` steps a period. Adds modes resonant with a harmonic of the drive if a hard contact needs them.
@@ -170,15 +180,7 @@ impl ReducedBasis {
             modes.push(KeptMode::of(instrument, k));
         }
         let rule = BasisRule::Shares { accuracy };
-        Self {
-            modes,
-            flexibility,
-            residual_share: left,
-            residual_kept: false,
-            unmet: Vec::new(),
-            rule,
-            reason,
-        }
+        Self::of(modes, (flexibility, left), rule, reason)
     }
 
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
@@ -219,15 +221,7 @@ impl ReducedBasis {
             false => reduction_reason(exact.len(), count - exact.len(), rate),
         };
         let rule = BasisRule::Contact { rate, count, elastic };
-        Some(Self {
-            modes,
-            flexibility,
-            residual_share: left,
-            residual_kept: false,
-            unmet: Vec::new(),
-            rule,
-            reason,
-        })
+        Some(Self::of(modes, (flexibility, left), rule, reason))
     }
 
     /// Initial number of oscillators for an accuracy, with contacts of the rate `rate` (rad/s).

@@ -20,8 +20,7 @@ const MAX_VISCOUS_ONSET: f64 = 24.0;
 const VISCOUS_PRODUCT: f64 = 0.1;
 
 /// Below the accuracy [`JUMPS_BELOW`] a contact whose force jumps gets oscillators for this share of the accuracy: jumps ring all
-/// modes, and two bases of few oscillators may differ little by chance. Of 200 samples under a lever of 1.5 N/m (JKR, 1e-4) 14 of
-/// 65 with a truth were up to 3.2 times above the accuracy without it; with it none is, for 0.86 times the steps.
+/// modes, and two bases of few oscillators may differ little by chance (tests/all/agree_control.rs).
 const JUMP_ACCURACY_SHARE: f64 = 0.1;
 
 /// Rate of an instance's contact, rad/s: the s with k C(s) = 1. C is the tip's compliance by all modes; k is the contact's

@@ -7,7 +7,7 @@
 use crate::instrument::Mode;
 use nalgebra::Complex;
 
-/// A mode is kept if its loss under a harmonic of the tip force, as a share of the tip's flexibility and times the quality
+/// A hard contact needs a mode if its loss under a harmonic of the tip force, as a share of the tip's flexibility and times the quality
 /// factor of the driven mode, exceeds this many accuracies. `tests/hard/rod_met.toml`, asked for 1e-3, has modes of 0.84 and
 /// 0.25: without both its phase is off by 2.5e-3, without the second by 6e-4.
 const MIN_LOSS_RATIO: f64 = 100.0;

@@ -4,13 +4,13 @@ use crate::plan::BasisRule;
 use std::collections::HashMap;
 
 /// A rule for each instance. Equal rules are stored once, and each instance stores a number.
-pub(super) struct BasisRules {
+pub(super) struct BasisRuleTable {
     known: Vec<BasisRule>,
     numbers: HashMap<[u64; 2], u32>,
     of: Vec<u32>,
 }
 
-impl BasisRules {
+impl BasisRuleTable {
     /// The same rule for `count` instances.
     pub fn of(count: usize, rule: BasisRule) -> Self {
         Self { known: vec![rule], numbers: HashMap::from([(rule.key(), 0)]), of: vec![0; count] }
