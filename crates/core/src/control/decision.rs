@@ -1,33 +1,8 @@
 //! The decision what an instance needs next. It is pure: nothing runs here.
 
+use super::error_parts::ErrorParts;
 use crate::observe::Status;
 use crate::plan::{Policy, STEPS_MAX};
-
-/// The parts of an instance's error estimate, and the history of its refinement.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Refinement {
-    /// Error of the steps, and truncation error of the basis.
-    pub of_steps: f64,
-    pub of_modes: f64,
-    /// Error of the resonant modes that the basis leaves out until the measured force asks for them.
-    pub of_resonances: f64,
-    /// The first difference, as long as it is not split into steps and basis.
-    pub unsplit: Option<f64>,
-    /// Most steps that the instance may have.
-    pub most_steps: u32,
-    /// Whether a fast contact already had a finer run. The first finer run cannot stall it, because the difference before may
-    /// have been small by chance.
-    pub finer_before: bool,
-    /// Whether a finer run of a fast contact failed to reduce its estimate. Such runs are expensive.
-    pub stalled: bool,
-}
-
-impl Refinement {
-    /// The whole estimate.
-    pub fn error(&self) -> f64 {
-        self.of_modes + self.of_steps + self.of_resonances
-    }
-}
 
 /// What the decision knows of an instance after its last run.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +17,7 @@ pub(super) struct InstanceSummary<'a> {
     pub single: bool,
     /// Whether a richer basis exists.
     pub can_be_richer: bool,
-    pub refinement: &'a Refinement,
+    pub parts: &'a ErrorParts,
 }
 
 /// What an instance needs next.
@@ -65,8 +40,8 @@ pub(super) enum Next {
 /// More steps do not help a motion that does not repeat. In f32 that verdict may be wrong, so the instance runs in f64. An
 /// instance that left the range or overflowed may have had too few steps.
 pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
-    let refinement = known.refinement;
-    if refinement.stalled || known.steps > STEPS_MAX / 2 {
+    let parts = known.parts;
+    if parts.stalled || known.steps > STEPS_MAX / 2 {
         return Next::Accept;
     }
     match known.status {
@@ -79,15 +54,15 @@ pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
         _ => return Next::Accept,
     }
     // What a failed run measured tells no force.
-    let resonances_lead = refinement.of_resonances > refinement.of_steps.max(refinement.of_modes);
+    let resonances_lead = parts.of_resonances > parts.of_steps.max(parts.of_modes);
     if resonances_lead && known.status == Status::Ok {
         return Next::UnmetModes;
     }
     // More steps do not help if the truncation error dominates. That is known once two runs had the same basis.
-    let modes_lead = refinement.unsplit.is_none() && refinement.of_modes > refinement.of_steps;
+    let modes_lead = parts.unsplit.is_none() && parts.of_modes > parts.of_steps;
     if modes_lead && known.can_be_richer {
         Next::RicherBasis
-    } else if known.steps <= refinement.most_steps / 2 {
+    } else if known.steps <= parts.most_steps / 2 {
         Next::MoreSteps
     } else {
         Next::Accept
@@ -98,7 +73,7 @@ pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
 mod tests {
     use super::*;
 
-    const OF_STEPS: Refinement = Refinement {
+    const OF_STEPS: ErrorParts = ErrorParts {
         of_steps: 9e-4,
         of_modes: 1e-4,
         of_resonances: 0.0,
@@ -107,10 +82,10 @@ mod tests {
         finer_before: false,
         stalled: false,
     };
-    const OF_MODES: Refinement = Refinement { of_steps: 1e-4, of_modes: 9e-4, ..OF_STEPS };
-    const OF_RESONANCES: Refinement = Refinement { of_resonances: 1e-3, ..OF_MODES };
-    const UNTOLD: Refinement = Refinement { unsplit: Some(4e-3), ..OF_MODES };
-    const IN_VAIN: Refinement = Refinement { stalled: true, ..OF_STEPS };
+    const OF_MODES: ErrorParts = ErrorParts { of_steps: 1e-4, of_modes: 9e-4, ..OF_STEPS };
+    const OF_RESONANCES: ErrorParts = ErrorParts { of_resonances: 1e-3, ..OF_MODES };
+    const UNTOLD: ErrorParts = ErrorParts { unsplit: Some(4e-3), ..OF_MODES };
+    const IN_VAIN: ErrorParts = ErrorParts { stalled: true, ..OF_STEPS };
     const KNOWN: InstanceSummary = InstanceSummary {
         status: Status::Ok,
         estimate: 1e-3,
@@ -118,13 +93,13 @@ mod tests {
         steps: 64,
         single: false,
         can_be_richer: true,
-        refinement: &OF_STEPS,
+        parts: &OF_STEPS,
     };
 
     #[test]
     fn each_case_of_the_table() {
         let lost = |status| InstanceSummary { status, ..KNOWN };
-        let of = |refinement| InstanceSummary { refinement, ..KNOWN };
+        let of = |parts| InstanceSummary { parts, ..KNOWN };
         let table = [
             ("steps lead", KNOWN, Next::MoreSteps),
             ("below the aim", InstanceSummary { estimate: 5.9e-4, ..KNOWN }, Next::Accept),
@@ -134,11 +109,7 @@ mod tests {
             ("resonances lead", of(&OF_RESONANCES), Next::UnmetModes),
             (
                 "no force is told",
-                InstanceSummary {
-                    refinement: &OF_RESONANCES,
-                    can_be_richer: false,
-                    ..lost(Status::NonFinite)
-                },
+                InstanceSummary { parts: &OF_RESONANCES, can_be_richer: false, ..lost(Status::NonFinite) },
                 Next::MoreSteps,
             ),
             ("not told apart", of(&UNTOLD), Next::MoreSteps),

@@ -24,7 +24,8 @@ fn turn(plan: &Plan, instance: u32, measured: &Measured, work: f64) -> f64 {
     part / balance * (amplitude / driven.free_amplitude()).min(1.0)
 }
 
-/// Error of an instance's worst observable from the resonant modes that its basis leaves out, by the measured force.
+/// Bound on the error of phase, force or travel, whichever is worst and whether requested or not, from the resonant modes that
+/// its basis leaves out, by the measured force.
 ///
 /// The n-th harmonic F_n of the contact force moves such a mode, which takes the energy pi n c F_n^2 out of each period; c is
 /// its compliance out of phase.
@@ -71,6 +72,7 @@ fn harmonic_bound(measured: &Measured, harmonic: f64, edges: bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::control;
     use crate::control::difference_scale::scaled_difference;
     use crate::control::first_estimate::EstimateInputs;
     use crate::control::{ChunkRun, precision_trial, refinement};
@@ -136,6 +138,19 @@ mod tests {
             assert!(error <= ours.estimates[0].max(1e-4), "{error:e} {:e}", ours.estimates[0]);
             assert!(ours.estimates[0] <= plan.run.accuracy, "{:e}", ours.estimates[0]);
         }
+    }
+
+    /// Truth: the refined run. A run that is not refined has the modes from the start.
+    #[test]
+    fn a_run_without_estimates_has_all_modes() {
+        let plan = plan_of(include_str!("../../../../tests/hard/rod_met.toml"));
+        let (engine, progress) = (Cpu::default(), Progress::default());
+        let ours = control::once(plan.clone(), "", &engine, &progress).expect("it runs");
+        assert!(!plan.driven(0).kept.unmet.is_empty() && ours.plan.driven(0).kept.unmet.is_empty());
+        let truth = result(&plan.clone().with_unmet_modes().with_steps(|steps| 4 * steps));
+        let [error, without] =
+            [ours.outcome.results[0], result(&plan)].map(|one| scaled_difference(&plan, 0, &one, &truth));
+        assert!(error <= plan.run.accuracy && without > 2.0 * plan.run.accuracy, "{error:e} {without:e}");
     }
 
     /// Without them the phase is off by as much as the measured force tells, or less.

@@ -1,10 +1,10 @@
 //! The first two runs of every instance, and the estimate from their difference.
 
-use super::decision::Refinement;
 use super::difference_scale::{
     is_fast, remaining_error_factor, remaining_step_error, scaled_difference, scaled_differences,
 };
 use super::energy_balance::{missed_resonances, work_of_steps};
+use super::error_parts::ErrorParts;
 use super::missed_compliance::{missed, truncation_error};
 use super::orbit_pair::{self, OrbitPair};
 use super::stencils::Stencils;
@@ -69,7 +69,7 @@ pub(super) struct FirstEstimate {
     pub plan: Plan,
     pub settled: OrbitSolution,
     /// Estimate of each instance.
-    pub known: Vec<Refinement>,
+    pub known: Vec<ErrorParts>,
     /// For each instance, whether it started from its neighbours' states. Empty if none did.
     pub neighbour_started: Vec<bool>,
     /// For each instance, the states from which others may start. Empty if none does.
@@ -113,14 +113,9 @@ pub(super) fn run(
         settled.outcome.notes.extend(moved(&fine, &settled, &near, engine, progress)?);
         orbit::locate_jumps(&fine, &mut settled.jumps, &settled.found);
     }
-    let begin = |(i, of_modes): (u32, f64)| Refinement {
-        of_steps: 0.0,
-        of_modes,
-        of_resonances: 0.0,
-        unsplit: None,
-        most_steps: (fine.steps(i) << plan.policy.doublings).min(STEPS_MAX),
-        finer_before: false,
-        stalled: false,
+    let begin = |(i, of_modes): (u32, f64)| {
+        let most_steps = (fine.steps(i) << plan.policy.doublings).min(STEPS_MAX);
+        ErrorParts { most_steps, ..ErrorParts::of_modes(of_modes) }
     };
     let known = fine.instances().zip(left_out).map(begin).collect();
     let solved = match around.is_some() {
@@ -365,9 +360,12 @@ impl FirstEstimate {
         let poor = self.third_run(few, &fast, with)?;
         let apart = scaled_differences(&self.plan, &fast, &poor, results);
         for (i, apart) in fast.into_iter().zip(apart) {
+            let measured = &results[i as usize].measured;
             // A run that was cut short gives no estimate.
-            self.known[i as usize].of_modes =
-                if with.1.stopped() { f64::INFINITY } else { remaining_error_factor(&self.plan, i) * apart };
+            self.known[i as usize].of_modes = match with.1.stopped() {
+                true => f64::INFINITY,
+                false => truncation_error(&self.plan, i, apart, measured),
+            };
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use super::ChunkRun;
 use super::difference_scale::scaled_differences;
+use super::energy_balance::work_of_steps;
 use super::first_estimate::EstimateInputs;
 use super::reference_solution::gives_way;
 use crate::engine::{Engine, EngineError, Progress};
@@ -66,7 +67,8 @@ impl ChunkRun {
         for ((i, apart), other) in instances.iter().zip(apart).zip(&second.results) {
             let n = *i as usize;
             if other.status != Status::NotRun {
-                self.estimates[n] = self.truncation[n] + share * apart;
+                let of_work = work_of_steps(&self.plan, *i, &self.outcome.results[n].measured);
+                self.estimates[n] = self.truncation[n] + (share * apart).max(of_work);
             }
         }
         self.outcome.notes.extend(second.notes);

@@ -19,6 +19,7 @@ mod contact_sample;
 mod decision;
 mod difference_scale;
 mod energy_balance;
+mod error_parts;
 mod error_summary;
 mod first_estimate;
 mod fixed_steps;
@@ -217,12 +218,13 @@ pub fn run_chunks<'k>(
 /// # Errors
 /// Those of the engine.
 pub fn once(
-    mut plan: Plan,
+    plan: Plan,
     reason: &str,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<ChunkRun, EngineError> {
     progress.stage(&["run"]);
+    let mut plan = plan.resonant();
     let OrbitSolution { mut outcome, found, periods, jumps } =
         orbit::solve_first(&mut plan, engine, progress)?;
     if progress.stopped() && plan.run.steady == Steady::Search {

@@ -1,10 +1,9 @@
 //! Refinement: each instance runs again as long as its estimate demands it.
 
-use super::decision::{InstanceSummary, Next, Refinement, next};
-use super::difference_scale::{is_fast, remaining_error_factor, scaled_difference};
-use super::energy_balance::{missed_resonances, work_of_steps};
+use super::decision::{InstanceSummary, Next, next};
+use super::difference_scale::{is_fast, scaled_difference};
+use super::error_parts::ErrorParts;
 use super::first_estimate::{self, EstimateInputs, FirstEstimate};
-use super::missed_compliance::truncation_error;
 use super::{ChunkRun, fixed_steps, precision_trial, sensitivity};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
@@ -72,16 +71,13 @@ impl Groups {
 struct RefinementRun<'a> {
     now: ChunkRun,
     /// Estimate of each instance.
-    known: Vec<Refinement>,
+    known: Vec<ErrorParts>,
     /// Whether instances that f32 does not serve continue in f64, and the rounding error of those that stay in f32.
     mixed: bool,
     rounding: f64,
     engine: &'a dyn Engine,
     progress: &'a Progress,
 }
-
-/// Resonant modes may change a result by this many times their predicted error.
-const UNMET_MARGIN: f64 = 4.0;
 
 impl<'a> RefinementRun<'a> {
     fn new(
@@ -90,7 +86,7 @@ impl<'a> RefinementRun<'a> {
         engine: &'a dyn Engine,
         progress: &'a Progress,
     ) -> Self {
-        let estimates = known.iter().map(Refinement::error).collect();
+        let estimates = known.iter().map(ErrorParts::error).collect();
         let left_out = known.iter().map(|known| known.of_modes).collect();
         let now = ChunkRun::new(plan, settled, (estimates, left_out), chosen);
         let now = ChunkRun { neighbour_started, solved, ..now };
@@ -126,7 +122,7 @@ impl<'a> RefinementRun<'a> {
             steps: self.now.plan.steps(i),
             single: self.mixed && self.is_single(i),
             can_be_richer,
-            refinement: &self.known[n],
+            parts: &self.known[n],
         };
         next(&known, &self.now.plan.policy)
     }
@@ -206,26 +202,12 @@ impl<'a> RefinementRun<'a> {
     /// Updates the estimate of instance `i`. Its other run, number `there` of that plan, differs by `apart`.
     fn estimate(&mut self, (other, there): (&Plan, u32), i: u32, what: Next, apart: f64, result: &Finished) {
         let n = i as usize;
-        let (known, policy) = (&mut self.known[n], &other.policy);
+        let known = &mut self.known[n];
+        let (at, measured) = ((other, there), &result.measured);
         match what {
-            Next::MoreSteps => {
-                if let Some(first) = known.unsplit.take() {
-                    let of_bases = remaining_error_factor(other, there) * (first - policy.steepest * apart);
-                    known.of_modes = known.of_modes.max(of_bases);
-                }
-                let of_work = work_of_steps(other, there, &result.measured);
-                known.of_steps = (policy.left_of_steps * apart).max(of_work);
-            }
-            Next::RicherBasis => {
-                known.of_modes = truncation_error(other, there, apart, &result.measured);
-                known.of_resonances = missed_resonances(other, there, &result.measured);
-            }
-            Next::UnmetModes => {
-                // Another state may be nearest with these modes. What they cannot explain is an error that more steps must tell.
-                let unexplained = apart - UNMET_MARGIN * known.of_resonances;
-                known.of_steps = known.of_steps.max(policy.left_of_steps * unexplained);
-                known.of_resonances = missed_resonances(other, there, &result.measured);
-            }
+            Next::MoreSteps => known.after_more_steps(at, apart, measured),
+            Next::RicherBasis => known.after_richer_basis(at, apart, measured),
+            Next::UnmetModes => known.after_unmet_modes(at, apart, measured),
             Next::Double => {
                 // The same steps in another precision say nothing about the step error: the next round estimates it.
                 if result.status == Status::Ok {

@@ -2,7 +2,9 @@
 
 use super::RunResult;
 use super::difference_scale::scaled_difference;
-use super::energy_balance::{missed_resonances, work_of_steps};
+use super::energy_balance::missed_resonances;
+use super::error_parts::ErrorParts;
+use super::missed_compliance::truncation_error;
 use super::search_checkpoints::CheckpointedSearch;
 use super::second_orbit::{SecondOrbit, SecondState};
 use crate::engine::{EngineError, Finished};
@@ -32,32 +34,30 @@ pub(super) fn estimated(
     });
     let asked = |n: &u32| !run.estimates[numbers[*n as usize] as usize].is_nan();
     let known: Vec<u32> = (0..numbers.len() as u32).filter(asked).collect();
-    let mut sight = SecondRefinement {
-        of_steps: vec![f64::INFINITY; numbers.len()],
-        of_modes: numbers.iter().map(|i| run.truncation[*i as usize]).collect(),
-        of_resonances: vec![0.0; numbers.len()],
+    let mut refining = SecondRefinement {
+        known: numbers.iter().map(|i| ErrorParts::of_modes(run.truncation[*i as usize])).collect(),
         others: others.collect(),
         places: all.into_iter().map(|second| *second.orbit).collect(),
         open: vec![false; numbers.len()],
         plan,
     };
     if known.is_empty() {
-        return Ok(sight.others);
+        return Ok(refining.others);
     }
-    sight.refine(&known, pieces)?;
+    refining.refine(&known, pieces)?;
     for &n in &known {
-        let estimate = sight.estimate(n as usize);
-        let other = &mut sight.others[n as usize];
-        if sight.open[n as usize] {
+        let estimate = refining.known[n as usize].error();
+        let other = &mut refining.others[n as usize];
+        if refining.open[n as usize] {
             other.finished.status = Status::NotRun;
             continue;
         }
         other.estimate = estimate;
-        if other.finished.status == Status::Ok && other.estimate > sight.plan.run.accuracy {
+        if other.finished.status == Status::Ok && other.estimate > refining.plan.run.accuracy {
             other.finished.status = Status::AccuracyNotMet;
         }
     }
-    Ok(sight.others)
+    Ok(refining.others)
 }
 
 /// Second states and their errors, by their number among those that have one.
@@ -65,78 +65,82 @@ struct SecondRefinement {
     plan: Plan,
     others: Vec<SecondOrbit>,
     places: Vec<PeriodicState>,
-    of_steps: Vec<f64>,
-    of_modes: Vec<f64>,
-    of_resonances: Vec<f64>,
+    known: Vec<ErrorParts>,
     /// Whether some of its work was skipped.
     open: Vec<bool>,
 }
 
 impl SecondRefinement {
-    fn refine(&mut self, known: &[u32], pieces: &CheckpointedSearch) -> Result<(), EngineError> {
-        let (fewest, left) = (self.plan.policy.fewest_steps, self.plan.policy.left_of_steps);
+    fn refine(&mut self, stepped: &[u32], pieces: &CheckpointedSearch) -> Result<(), EngineError> {
+        let fewest = self.plan.policy.fewest_steps;
         let halved = |steps: u32| (steps / 2).max(fewest.min(steps));
-        let coarse = self.plan.part(known).with_steps(halved);
-        for (n, found) in self.again(&coarse, known, pieces)? {
-            let of_work = work_of_steps(&self.plan, n as u32, &self.others[n].finished.measured);
-            self.of_steps[n] = found.map_or(f64::INFINITY, |(apart, ..)| (left * apart).max(of_work));
+        let coarse = self.plan.part(stepped).with_steps(halved);
+        for (n, found) in self.again(&coarse, stepped, pieces)? {
+            let (i, measured) = (n as u32, &self.others[n].finished.measured);
+            self.known[n].of_resonances = missed_resonances(&self.plan, i, measured);
+            match found {
+                Some((apart, ..)) => self.known[n].after_more_steps((&self.plan, i), apart, measured),
+                None => self.known[n].of_steps = f64::INFINITY,
+            }
         }
-        self.add_unmet_modes(known, pieces)?;
-        let (poor, _) = self.plan.can_be_richer(known.to_vec());
+        self.add_unmet_modes(stepped, pieces)?;
+        let (poor, _) = self.plan.can_be_richer(stepped.to_vec());
         let rich = self.plan.part(&poor).with_richer_bases();
         let mut taken = HashMap::new();
-        for (there, (n, found)) in self.again(&rich, &poor, pieces)?.into_iter().enumerate() {
-            self.of_modes[n] = found.as_ref().map_or(f64::INFINITY, |(apart, ..)| left * apart);
-            if let Some((_, finished, place)) = found.filter(|_| self.estimate(n) > self.aim()) {
+        for (there, (n, found)) in (0..).zip(self.again(&rich, &poor, pieces)?) {
+            let Some((apart, finished, place)) = found else {
+                self.known[n].of_modes = f64::INFINITY;
+                continue;
+            };
+            let measured = finished.measured;
+            self.known[n].of_modes = truncation_error(&rich, there, apart, &measured);
+            if self.known[n].error() > self.aim() {
+                self.known[n].after_richer_basis((&rich, there), apart, &measured);
                 self.put(n, finished, *place);
-                self.plan.take_resolution(n as u32, &rich, there as u32, &mut taken);
+                self.plan.take_resolution(n as u32, &rich, there, &mut taken);
             }
         }
         for _ in 0..self.plan.policy.doublings {
-            let leads = |n: usize| self.of_steps[n] >= self.of_modes[n];
             let doubtful = |n: &&u32| {
-                let n = **n as usize;
-                !self.open[n]
-                    && self.estimate(n) > self.aim()
-                    && leads(n)
-                    && self.plan.steps(n as u32) <= STEPS_MAX / 2
+                let (n, known) = (**n as usize, &self.known[**n as usize]);
+                let leads = known.of_steps >= known.of_modes;
+                let finer = self.plan.steps(n as u32) <= STEPS_MAX / 2;
+                !self.open[n] && known.error() > self.aim() && leads && finer
             };
-            let rough: Vec<u32> = known.iter().filter(doubtful).copied().collect();
+            let rough: Vec<u32> = stepped.iter().filter(doubtful).copied().collect();
             if rough.is_empty() {
                 break;
             }
             let finer = self.plan.part(&rough).with_steps(|steps| 2 * steps);
             let mut taken = HashMap::new();
-            for (there, (n, found)) in self.again(&finer, &rough, pieces)?.into_iter().enumerate() {
+            for (there, (n, found)) in (0..).zip(self.again(&finer, &rough, pieces)?) {
                 let Some((apart, finished, place)) = found else { continue };
-                let of_work = work_of_steps(&finer, there as u32, &finished.measured);
-                self.of_steps[n] = (left * apart).max(of_work);
+                self.known[n].after_more_steps((&finer, there), apart, &finished.measured);
                 self.put(n, finished, *place);
-                self.plan.take_resolution(n as u32, &finer, there as u32, &mut taken);
+                self.plan.take_resolution(n as u32, &finer, there, &mut taken);
             }
         }
         Ok(())
     }
 
-    /// Adds the resonant modes that the bases leave out where the measured force asks for them.
-    fn add_unmet_modes(&mut self, known: &[u32], pieces: &CheckpointedSearch) -> Result<(), EngineError> {
-        for &n in known {
-            let measured = &self.others[n as usize].finished.measured;
-            self.of_resonances[n as usize] = missed_resonances(&self.plan, n, measured);
-        }
-        let leads = |n: usize| self.of_resonances[n] > self.of_steps[n].max(self.of_modes[n]);
-        let asked = |n: &&u32| self.estimate(**n as usize) > self.aim() && leads(**n as usize);
-        let unmet: Vec<u32> = known.iter().filter(asked).copied().collect();
+    /// Adds the resonant modes that wait where the measured force asks for them.
+    fn add_unmet_modes(&mut self, stepped: &[u32], pieces: &CheckpointedSearch) -> Result<(), EngineError> {
+        let asked = |n: &&u32| {
+            let known = &self.known[**n as usize];
+            let leads = known.of_resonances > known.of_steps.max(known.of_modes);
+            leads && known.error() > self.aim() && self.others[**n as usize].finished.status == Status::Ok
+        };
+        let unmet: Vec<u32> = stepped.iter().filter(asked).copied().collect();
         let with = self.plan.part(&unmet).with_unmet_modes();
         let mut taken = HashMap::new();
-        for (there, (n, found)) in self.again(&with, &unmet, pieces)?.into_iter().enumerate() {
-            let Some((_, finished, place)) = found else {
-                self.of_resonances[n] = f64::INFINITY;
+        for (there, (n, found)) in (0..).zip(self.again(&with, &unmet, pieces)?) {
+            let Some((apart, finished, place)) = found else {
+                self.known[n].of_resonances = f64::INFINITY;
                 continue;
             };
-            self.of_resonances[n] = missed_resonances(&with, there as u32, &finished.measured);
+            self.known[n].after_unmet_modes((&with, there), apart, &finished.measured);
             self.put(n, finished, *place);
-            self.plan.take_resolution(n as u32, &with, there as u32, &mut taken);
+            self.plan.take_resolution(n as u32, &with, there, &mut taken);
         }
         Ok(())
     }
@@ -150,10 +154,6 @@ impl SecondRefinement {
 
     fn aim(&self) -> f64 {
         self.plan.policy.aim * self.plan.run.accuracy
-    }
-
-    fn estimate(&self, n: usize) -> f64 {
-        self.of_steps[n] + self.of_modes[n] + self.of_resonances[n]
     }
 
     /// Searches for the states of these instances with another plan, which has these instances only. Returns their distance

@@ -25,6 +25,18 @@ impl Plan {
         });
         rebasing.plan
     }
+
+    /// Gives every instance the resonant modes that wait: a run that nothing refines does not ask for them later.
+    #[must_use]
+    pub fn resonant(self) -> Self {
+        let waiting = |i: &u32| !self.driven(*i).kept.unmet.is_empty();
+        let with = |i| match self.basis_rule(i) {
+            BasisRule::Shares { accuracy } => Some((i, BasisRule::Resonant { accuracy })),
+            _ => None,
+        };
+        let wanted: Vec<_> = self.instances().filter(waiting).filter_map(with).collect();
+        if wanted.is_empty() { self } else { self.with_bases(&wanted) }
+    }
 }
 
 /// A plan whose instances get other bases one by one.

@@ -1,0 +1,72 @@
+//! The parts of an instance's error estimate.
+
+use super::difference_scale::remaining_error_factor;
+use super::energy_balance::{missed_resonances, work_of_steps};
+use super::missed_compliance::truncation_error;
+use crate::observe::Measured;
+use crate::plan::{Plan, STEPS_MAX};
+
+/// A change beyond this many times the bound on the resonant modes' error is not due to these modes.
+const UNMET_MARGIN: f64 = 4.0;
+
+/// The parts of an instance's error estimate, and the history of its refinement.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ErrorParts {
+    /// Error of the steps, and truncation error of the basis.
+    pub of_steps: f64,
+    pub of_modes: f64,
+    /// Error of the resonant modes that the basis leaves out until the measured force asks for them.
+    pub of_resonances: f64,
+    /// The first difference, as long as it is not split into steps and basis.
+    pub unsplit: Option<f64>,
+    /// Most steps that the instance may have.
+    pub most_steps: u32,
+    /// Whether a fast contact already had a finer run. The first finer run cannot stall it, because the difference before may
+    /// have been small by chance.
+    pub finer_before: bool,
+    /// Whether a finer run of a fast contact failed to reduce its estimate. Such runs are expensive.
+    pub stalled: bool,
+}
+
+impl ErrorParts {
+    /// Those of an instance of which only the truncation error of its basis is known.
+    pub fn of_modes(of_modes: f64) -> Self {
+        Self {
+            of_steps: 0.0,
+            of_modes,
+            of_resonances: 0.0,
+            unsplit: None,
+            most_steps: STEPS_MAX,
+            finer_before: false,
+            stalled: false,
+        }
+    }
+
+    /// The whole estimate.
+    pub fn error(&self) -> f64 {
+        self.of_modes + self.of_steps + self.of_resonances
+    }
+
+    /// Updates the parts after a run with more steps: instance `i` of `plan`, which differs by `apart` from the run before.
+    pub fn after_more_steps(&mut self, (plan, i): (&Plan, u32), apart: f64, measured: &Measured) {
+        if let Some(first) = self.unsplit.take() {
+            let of_bases = remaining_error_factor(plan, i) * (first - plan.policy.steepest * apart);
+            self.of_modes = self.of_modes.max(of_bases);
+        }
+        self.of_steps = (plan.policy.left_of_steps * apart).max(work_of_steps(plan, i, measured));
+    }
+
+    /// Updates the parts after a run with a richer basis.
+    pub fn after_richer_basis(&mut self, (plan, i): (&Plan, u32), apart: f64, measured: &Measured) {
+        self.of_modes = truncation_error(plan, i, apart, measured);
+        self.of_resonances = missed_resonances(plan, i, measured);
+    }
+
+    /// Updates the parts after a run with the resonant modes that waited. Another state may be nearest with these modes: what
+    /// they cannot explain is an error that more steps must tell.
+    pub fn after_unmet_modes(&mut self, (plan, i): (&Plan, u32), apart: f64, measured: &Measured) {
+        let unexplained = apart - UNMET_MARGIN * self.of_resonances;
+        self.of_steps = self.of_steps.max(plan.policy.left_of_steps * unexplained);
+        self.of_resonances = missed_resonances(plan, i, measured);
+    }
+}
