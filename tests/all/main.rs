@@ -76,6 +76,7 @@ mod docs_links;
 mod docs_name_everything;
 mod docs_name_results;
 mod docs_readme;
+mod docs_tuning;
 mod exact_axes;
 mod exact_calibration;
 mod exact_contact;

@@ -18,7 +18,7 @@ fn run(text: &str, audit: Audit, path: &Path, finish: bool) -> SweepOutcome {
     let sweep = sweep(text, audit);
     let (file, earlier) = RunFile::create(path, &sweep.scene().source, ExistingFile::GoneOnWith).unwrap();
     let keeper = RunJournal::of_run(file, earlier, Share::ALL, false).unwrap();
-    let swept = sweep.run_kept(&keeper, &Silent).unwrap();
+    let swept = sweep.run_into(&keeper, &Silent).unwrap().gathered().unwrap();
     assert!(swept.missing.is_empty());
     if finish {
         keeper.into_file().unwrap().finish(&swept.results).unwrap();
@@ -132,7 +132,7 @@ fn a_look_into_the_journal_shows_what_is_found() {
     let looked = |end: usize| {
         let journal = Journal::read(bytes[..end].to_vec()).unwrap();
         let keeper = RunJournal::of_journals(vec![journal], Share::ALL).unwrap();
-        sweep(TAPPING, Audit::Auto).looked_into(&keeper).unwrap()
+        sweep(TAPPING, Audit::Auto).look_into(&keeper).unwrap().gathered().unwrap()
     };
     let all = looked(bytes.len());
     let words: Vec<&str> = all.missing.iter().map(|phase| phase.word()).collect();
@@ -170,7 +170,7 @@ fn a_merge_goes_on_from_any_record_to_the_same_file() {
         let sweep = Sweep::new(prepared.scene().unwrap()).told_as(&prepared).audit(Audit::Instances(4));
         let file = RunFile::create(&path, prepared.scene_text(), ExistingFile::GoneOnWith).unwrap();
         let keeper = RunJournal::of_merge(journals, Share { number: 1, of: 2 }, file).unwrap();
-        let swept = sweep.run_kept(&keeper, &Silent).unwrap();
+        let swept = sweep.run_into(&keeper, &Silent).unwrap().gathered().unwrap();
         assert!(swept.missing.is_empty());
         (swept.steps_taken, swept.verdict.audited)
     };

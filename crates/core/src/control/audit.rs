@@ -200,7 +200,7 @@ pub fn audit_of(
             reference: truth,
             errors: plan.observables.iter().map(|observable| of(*observable)).collect(),
             worst: counts.then(|| worst(&plan.observables, &ours.measured, &truth.measured, &scales)),
-            truncation: reference_solution::truncation_error(plan, instance as usize, &truth.measured),
+            truncation: reference_solution::reference_error(plan, instance as usize, &truth.measured),
         }
     };
     // Skip instances that a stopped audit has not redone.

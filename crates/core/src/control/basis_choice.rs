@@ -32,7 +32,7 @@ pub(super) struct BasisChoice {
 
 /// Splits `stepped`, the instances that need steps, into those whose fast contacts have a basis of their own, and those whose
 /// bases need a trial.
-fn usual(plan: &Plan, stepped: &[u32]) -> (Vec<u32>, Vec<u32>) {
+fn split_by_rate(plan: &Plan, stepped: &[u32]) -> (Vec<u32>, Vec<u32>) {
     stepped.iter().copied().partition(|i| is_fast(plan, *i))
 }
 
@@ -46,7 +46,7 @@ pub(super) fn try_bases(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<(Option<BasisTrialSet>, Vec<String>), EngineError> {
-    let (_, usual) = usual(plan, stepped);
+    let (_, usual) = split_by_rate(plan, stepped);
     if plan.run.modes.is_some() || usual.is_empty() {
         return Ok((None, Vec::new()));
     }
@@ -66,7 +66,7 @@ pub(super) fn try_bases(
 /// A harder contact excites more modes. Within a kind, the stiffness of an instance's contact at the deepest expected
 /// indentation gives its place in the sample. A basis serves instances below the first sample member that it fails.
 pub(super) fn choose_bases(plan: &Plan, stepped: &[u32], tried: Option<&BasisTrialSet>) -> BasisChoice {
-    let (fast, usual) = usual(plan, stepped);
+    let (fast, usual) = split_by_rate(plan, stepped);
     let Some(BasisTrialSet { sample, trials }) = tried else { return as_planned(plan, !fast.is_empty()) };
     let mut bases = BasisAssignment::new(plan);
     fast.iter().for_each(|i| bases.keep(*i));
@@ -86,13 +86,13 @@ fn as_planned(plan: &Plan, some_fast: bool) -> BasisChoice {
     let count = plan.len();
     let poorer = some_fast.then(|| {
         let mut poorer = BasisRuleTable::of(count, BasisRule::Shares { accuracy: plan.run.accuracy });
-        (0..count as u32).for_each(|i| poorer.put(i, next_smaller(plan.basis_rule(i))));
+        (0..count as u32).for_each(|i| poorer.put(i, next_poorer(plan.basis_rule(i))));
         poorer
     });
     BasisChoice { plan: plan.clone(), smaller: poorer, truncation: Vec::new() }
 }
 
-fn next_smaller(basis: BasisRule) -> BasisRule {
+fn next_poorer(basis: BasisRule) -> BasisRule {
     basis.poorer().unwrap_or(basis)
 }
 
@@ -156,7 +156,7 @@ impl<'a> BasisAssignment<'a> {
     /// Keeps the plan's basis of a fast contact.
     fn keep(&mut self, i: u32) {
         let own = self.plan.basis_rule(i);
-        self.put(i, (own, next_smaller(own)), 0.0);
+        self.put(i, (own, next_poorer(own)), 0.0);
     }
 
     /// Chooses the basis of an instance by the stiffness of its contact.
@@ -176,7 +176,7 @@ impl<'a> BasisAssignment<'a> {
             // No basis of the trial serves. The contact gets its own basis, which the next smaller one verifies.
             let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });
             let cost = if own.poorer().is_some() { 0.0 } else { least };
-            self.put(i, (own, next_smaller(own)), cost);
+            self.put(i, (own, next_poorer(own)), cost);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::difference_scale::scaled_difference;
 use super::step_reduction::quarter_steps;
-use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
+use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
 use crate::orbit::{self, OrbitSolution};
 use crate::plan::{KeptMode, Plan, Precision, RICHEST_ACCURACY_SHARE};
@@ -163,9 +163,7 @@ fn with_basis(
         return orbit::solve(plan, &[], engine, progress);
     }
     let known: Vec<u32> = plan.instances().filter(|i| truths.state(*i as usize).is_some()).collect();
-    let (outcome, count) = (Outcome { ends: Vec::new(), ..Outcome::of(plan) }, plan.len());
-    let mut rough =
-        OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
+    let mut rough = OrbitSolution::not_run(plan);
     rough.take(
         &known,
         orbit::solve_without_integration(&quarter_steps(plan.part(&known)), &[], engine, progress)?,
@@ -185,9 +183,7 @@ fn next_to(
     let state = |i: &u32| first.state(*i as usize).or_else(|| second?.state(*i as usize));
     let members: Vec<u32> = plan.instances().filter(|i| state(i).is_some()).collect();
     let near: Vec<_> = members.iter().map(state).collect();
-    let (outcome, count) = (Outcome { ends: Vec::new(), ..Outcome::of(plan) }, plan.len());
-    let mut all =
-        OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() };
+    let mut all = OrbitSolution::not_run(plan);
     all.take(&members, orbit::solve_without_integration(&plan.part(&members), &near, engine, progress)?);
     Ok(all)
 }

@@ -1,7 +1,7 @@
 //! Solves a block of a sweep, whose instances start from one another's states.
 
 use super::choices::Choices;
-use super::first_estimate::{EstimateInputs, SmallerBasis};
+use super::first_estimate::{EstimateInputs, PoorerBasis};
 use super::hierarchy::Hierarchy;
 use super::orbit_pair::OrbitPair;
 use super::stencils::Stencils;
@@ -37,7 +37,7 @@ enum BatchStart {
 /// A block and the choices for it; see [`EstimateInputs`].
 pub(super) struct BlockSolver<'a> {
     pub plan: Plan,
-    pub smaller_basis: Option<SmallerBasis>,
+    pub poorer_basis: Option<PoorerBasis>,
     pub truncation: Vec<f64>,
     pub choices: &'a Choices,
 }
@@ -121,7 +121,7 @@ impl BlockRun<'_> {
         let part = block.plan.part(piece);
         let stepped = part.stepped();
         let left_out = piece.iter().map(|i| block.truncation[*i as usize]).collect();
-        let poorer = block.smaller_basis.as_ref().map(|all| all.part(piece));
+        let poorer = block.poorer_basis.as_ref().map(|all| all.part(piece));
         let around = match batch.start {
             BatchStart::Free => None,
             BatchStart::Coarse => Some(Stencils::coarse(&whole.solved)),

@@ -2,7 +2,7 @@
 
 use super::{Arithmetic, orbit_pair, second_orbit};
 use crate::engine::Outcome;
-use crate::orbit::PeriodicState;
+use crate::orbit::{OrbitSolution, PeriodicState};
 use crate::plan::Plan;
 
 /// Some instances of a run, or all of a small one. See [`RunResult`](super::RunResult).
@@ -28,4 +28,34 @@ pub struct ChunkRun {
     pub(super) solved: Vec<orbit_pair::OrbitPair>,
     /// For each instance, the result of its search from the lever at rest. Empty without such searches.
     pub(super) from_rest: Vec<Option<second_orbit::SecondState>>,
+}
+
+impl ChunkRun {
+    /// A run with its estimates and their truncation parts.
+    pub(super) fn new(
+        plan: Plan,
+        OrbitSolution { outcome, found, periods, jumps }: OrbitSolution,
+        (estimates, truncation): (Vec<f64>, Vec<f64>),
+        arithmetic: Arithmetic,
+    ) -> Self {
+        Self {
+            plan,
+            outcome,
+            estimates,
+            truncation,
+            found,
+            periods,
+            jumps,
+            neighbour_started: Vec::new(),
+            arithmetic,
+            solved: Vec::new(),
+            from_rest: Vec::new(),
+        }
+    }
+
+    /// A run without estimates.
+    pub(super) fn unestimated(plan: Plan, solution: OrbitSolution, arithmetic: Arithmetic) -> Self {
+        let unknown = vec![f64::NAN; plan.len()];
+        Self::new(plan, solution, (unknown.clone(), unknown), arithmetic)
+    }
 }

@@ -6,12 +6,12 @@ use super::block_solver::{self, BlockSolver};
 use super::choices::{Choices, Course};
 use super::chunk::{Chunk, ChunkJournal};
 use super::chunking::Chunking;
-use super::first_estimate::{EstimateInputs, SmallerBasis};
+use super::first_estimate::{EstimateInputs, PoorerBasis};
 use super::journaled_run::JournaledRun;
 use super::{ChunkRun, branch_switching, by_reference, interruption, once};
 use crate::engine::{Engine, EngineError, Progress, Reference};
 use crate::observe::Status;
-use crate::orbit;
+use crate::orbit::{self, OrbitSolution};
 use crate::plan::{BasisRule, Plan};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,7 +22,7 @@ struct ChunkWork<'a> {
     /// Truncation error of each instance of the plan; see [`basis_choice::BasisChoice`].
     truncation: Vec<f64>,
     /// Smaller basis of each instance of the plan; see [`EstimateInputs`].
-    smaller_basis: Option<BasisRuleTable>,
+    poorer_basis: Option<BasisRuleTable>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
     engine: &'a dyn Engine,
@@ -61,12 +61,12 @@ impl ChunkWork<'_> {
                     .collect();
                 let of =
                     |all: &BasisRuleTable| portion.iter().map(|i| all.get(*i)).collect::<Vec<BasisRule>>();
-                let poorer = self.smaller_basis.as_ref().map(|all| SmallerBasis::of(&part, of(all)));
+                let poorer = self.poorer_basis.as_ref().map(|all| PoorerBasis::of(&part, of(all)));
                 if let Some(blocks) = &whole.division().blocks {
                     let order = blocks.within(number, &part);
                     let block = BlockSolver {
                         plan: part,
-                        smaller_basis: poorer,
+                        poorer_basis: poorer,
                         truncation: left_out,
                         choices: self.choices,
                     };
@@ -90,20 +90,9 @@ fn free(
         true => orbit::solve_first(&mut plan, engine, progress)?.outcome,
         false => engine.run(&plan, progress)?,
     };
-    let count = plan.len();
-    Ok(ChunkRun {
-        outcome,
-        estimates: vec![0.0; count],
-        truncation: vec![0.0; count],
-        found: Vec::new(),
-        periods: vec![0; count],
-        jumps: Vec::new(),
-        neighbour_started: Vec::new(),
-        arithmetic: choices.precision.arithmetic(count),
-        solved: Vec::new(),
-        from_rest: Vec::new(),
-        plan,
-    })
+    let (zeros, arithmetic) = (vec![0.0; plan.len()], choices.precision.arithmetic(plan.len()));
+    let settled = OrbitSolution::without_states(outcome);
+    Ok(ChunkRun::new(plan, settled, (zeros.clone(), zeros), arithmetic))
 }
 
 /// Runs all instances of the scene's plan with the given choices, several chunks at once. A stopped run keeps its finished
@@ -128,7 +117,7 @@ pub(super) fn run<'k>(
     drop(planned);
     let mut whole = JournaledRun::not_begun(plan, choices, division, keep);
     let work =
-        ChunkWork { choices, truncation, smaller_basis: smaller, stepped: some_stepped, engine, progress };
+        ChunkWork { choices, truncation, poorer_basis: smaller, stepped: some_stepped, engine, progress };
     let wanted = take_known(&mut whole, keep);
     let all: u64 = wanted.iter().map(|number| whole.chunk(*number).len() as u64).sum();
     let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));

@@ -26,16 +26,17 @@ pub(super) enum Next {
     /// Nothing: the result stands.
     Accept,
     /// The same run in f64, because rounding may be why the motion does not repeat.
-    Double,
+    InF64,
     /// Twice the steps.
     MoreSteps,
     /// A richer basis.
     RicherBasis,
     /// The same basis with the resonant modes that it leaves out.
-    UnmetModes,
+    WaitingModes,
 }
 
-/// Decides from the summary alone.
+/// Decides from the summary alone: the largest part of the error tells what to do. If it is that of waiting modes, they join; if
+/// that of the basis, a richer one follows; else more steps.
 ///
 /// More steps do not help a motion that does not repeat. In f32 that verdict may be wrong, so the instance runs in f64. An
 /// instance that left the range or overflowed may have had too few steps.
@@ -45,7 +46,7 @@ pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
         return Next::Accept;
     }
     match known.status {
-        Status::NotSteady if known.single => return Next::Double,
+        Status::NotSteady if known.single => return Next::InF64,
         // Without an estimate, further runs teach nothing.
         Status::Ok if known.estimate.is_nan() || known.estimate <= policy.aim * known.accuracy => {
             return Next::Accept;
@@ -53,10 +54,10 @@ pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
         Status::Ok | Status::OutOfRange | Status::NonFinite => {}
         _ => return Next::Accept,
     }
-    // What a failed run measured tells no force.
+    // The force that a failed run measured means nothing.
     let resonances_lead = parts.of_resonances > parts.of_steps.max(parts.of_modes);
     if resonances_lead && known.status == Status::Ok {
-        return Next::UnmetModes;
+        return Next::WaitingModes;
     }
     // More steps do not help if the truncation error dominates. That is known once two runs had the same basis.
     let modes_lead = parts.unsplit.is_none() && parts.of_modes > parts.of_steps;
@@ -106,7 +107,7 @@ mod tests {
             ("just above it", InstanceSummary { estimate: 6.1e-4, ..KNOWN }, Next::MoreSteps),
             ("never estimated", InstanceSummary { estimate: f64::NAN, ..KNOWN }, Next::Accept),
             ("modes lead", of(&OF_MODES), Next::RicherBasis),
-            ("resonances lead", of(&OF_RESONANCES), Next::UnmetModes),
+            ("resonances lead", of(&OF_RESONANCES), Next::WaitingModes),
             (
                 "no force is told",
                 InstanceSummary { parts: &OF_RESONANCES, can_be_richer: false, ..lost(Status::NonFinite) },
@@ -121,7 +122,7 @@ mod tests {
             ("overflowed", lost(Status::NonFinite), Next::MoreSteps),
             ("out of range", lost(Status::OutOfRange), Next::MoreSteps),
             ("does not repeat", lost(Status::NotSteady), Next::Accept),
-            ("does not in f32", InstanceSummary { single: true, ..lost(Status::NotSteady) }, Next::Double),
+            ("does not in f32", InstanceSummary { single: true, ..lost(Status::NotSteady) }, Next::InF64),
             ("f32 and steps lead", InstanceSummary { single: true, ..KNOWN }, Next::MoreSteps),
             ("not run", lost(Status::NotRun), Next::Accept),
             ("sensitive", lost(Status::Sensitive), Next::Accept),

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_2_PI, PI};
 ///
 /// The fundamental of the contact force must bring it, so that its part in phase with the tip's speed changes by
 /// work / (pi A), with the tip's amplitude A. The drive, F_0 as a force on the tip, balances this part.
-fn turn(plan: &Plan, instance: u32, measured: &Measured, work: f64) -> f64 {
+fn phase_error(plan: &Plan, instance: u32, measured: &Measured, work: f64) -> f64 {
     let driven = plan.driven(instance);
     let (amplitude, drive) = (measured.harmonics[0], driven.free.tip / driven.free.compliance);
     if work == 0.0 {
@@ -31,14 +31,14 @@ fn turn(plan: &Plan, instance: u32, measured: &Measured, work: f64) -> f64 {
 /// its compliance out of phase.
 pub(super) fn missed_resonances(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
     let contact = plan.contact(instance);
-    let unmet = &plan.driven(instance).kept.unmet;
-    if unmet.is_empty() {
+    let waiting = &plan.driven(instance).kept.waiting;
+    if waiting.is_empty() {
         return 0.0;
     }
     let force = |one: &Resonance| harmonic_bound(measured, one.harmonic, contact.law.has_hysteresis());
     let taken = |one: &Resonance| PI * one.harmonic * -one.compliance().im * force(one).powi(2);
-    let of_phase = turn(plan, instance, measured, unmet.iter().map(taken).sum());
-    let moved = unmet.iter().map(|one| one.compliance().norm() * force(one)).sum::<f64>();
+    let of_phase = phase_error(plan, instance, measured, waiting.iter().map(taken).sum());
+    let moved = waiting.iter().map(|one| one.compliance().norm() * force(one)).sum::<f64>();
     let stiffness = contact.stiffness(measured.indentation_max.max(0.0), true).abs();
     let largest = measured.force_max.abs().max(measured.force_min.abs());
     let of_force = if largest > 0.0 { stiffness * moved / largest } else { 0.0 };
@@ -55,17 +55,21 @@ pub(super) fn work_of_steps(plan: &Plan, instance: u32, measured: &Measured) -> 
     if !contact.is_reversible() || !plan.observables.contains(&Observable::Phase) {
         return 0.0;
     }
-    let error = turn(plan, instance, measured, measured.dissipation);
+    let error = phase_error(plan, instance, measured, measured.dissipation);
     if error.is_finite() { error } else { 0.0 }
 }
 
-/// Bound of a harmonic of the contact force, N. Repulsion is a pulse like half a sine, unless its law has jumps (`edges`);
+/// Bound of a harmonic of the contact force, N. Repulsion is a pulse like half a sine, unless its law has jumps (`force_jumps`);
 /// attraction counts as if it lasted for no time.
-fn harmonic_bound(measured: &Measured, harmonic: f64, edges: bool) -> f64 {
+fn harmonic_bound(measured: &Measured, harmonic: f64, force_jumps: bool) -> f64 {
     let repulsion = FRAC_2_PI * measured.force_max.max(0.0) * measured.contact_time;
     let attraction = (repulsion - measured.force_mean).max(0.0);
-    let turned = 2.0 * harmonic * measured.contact_time / measured.contacts.max(1.0);
-    let envelope = if edges || turned <= 1.0 { 1.0 } else { (turned * turned - 1.0).recip().min(1.0) };
+    let pulse_angle = 2.0 * harmonic * measured.contact_time / measured.contacts.max(1.0);
+    let envelope = if force_jumps || pulse_angle <= 1.0 {
+        1.0
+    } else {
+        (pulse_angle * pulse_angle - 1.0).recip().min(1.0)
+    };
     2.0 * (repulsion * envelope + attraction)
 }
 
@@ -130,11 +134,11 @@ mod tests {
         };
         for (text, joins) in [(taps, true), (&hovers, false)] {
             let plan = plan_of(text);
-            let all = plan.clone().with_unmet_modes().with_steps(|steps| 4 * steps);
+            let all = plan.clone().with_waiting_modes().with_steps(|steps| 4 * steps);
             let (ours, truth) = (run(&plan), result(&all));
             let error = scaled_difference(&plan, 0, &ours.outcome.results[0], &truth);
-            assert_eq!(ours.plan.driven(0).kept.unmet.is_empty(), joins);
-            assert!(!plan.driven(0).kept.unmet.is_empty() && all.driven(0).kept.unmet.is_empty());
+            assert_eq!(ours.plan.driven(0).kept.waiting.is_empty(), joins);
+            assert!(!plan.driven(0).kept.waiting.is_empty() && all.driven(0).kept.waiting.is_empty());
             assert!(error <= ours.estimates[0].max(1e-4), "{error:e} {:e}", ours.estimates[0]);
             assert!(ours.estimates[0] <= plan.run.accuracy, "{:e}", ours.estimates[0]);
         }
@@ -146,8 +150,8 @@ mod tests {
         let plan = plan_of(include_str!("../../../../tests/hard/rod_met.toml"));
         let (engine, progress) = (Cpu::default(), Progress::default());
         let ours = control::once(plan.clone(), "", &engine, &progress).expect("it runs");
-        assert!(!plan.driven(0).kept.unmet.is_empty() && ours.plan.driven(0).kept.unmet.is_empty());
-        let truth = result(&plan.clone().with_unmet_modes().with_steps(|steps| 4 * steps));
+        assert!(!plan.driven(0).kept.waiting.is_empty() && ours.plan.driven(0).kept.waiting.is_empty());
+        let truth = result(&plan.clone().with_waiting_modes().with_steps(|steps| 4 * steps));
         let [error, without] =
             [ours.outcome.results[0], result(&plan)].map(|one| scaled_difference(&plan, 0, &one, &truth));
         assert!(error <= plan.run.accuracy && without > 2.0 * plan.run.accuracy, "{error:e} {without:e}");
@@ -158,7 +162,7 @@ mod tests {
     fn the_loss_of_faint_modes_is_told_beforehand() {
         let plan = plan_of(include_str!("../../../../tests/hard/rod_met.toml"));
         assert!(matches!(plan.basis_rule(0), BasisRule::Shares { .. }));
-        let (without, with) = (result(&plan), result(&plan.clone().with_unmet_modes()));
+        let (without, with) = (result(&plan), result(&plan.clone().with_waiting_modes()));
         let off = scaled_difference(&plan, 0, &without, &with);
         let told = missed_resonances(&plan, 0, &without.measured);
         assert!(off <= told && told <= 5.0 * off, "{off:e} {told:e}");

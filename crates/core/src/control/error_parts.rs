@@ -7,7 +7,7 @@ use crate::observe::Measured;
 use crate::plan::{Plan, STEPS_MAX};
 
 /// A change beyond this many times the bound on the resonant modes' error is not due to these modes.
-const UNMET_MARGIN: f64 = 4.0;
+const WAITING_MARGIN: f64 = 4.0;
 
 /// The parts of an instance's error estimate, and the history of its refinement.
 #[derive(Clone, Copy, Debug)]
@@ -64,8 +64,8 @@ impl ErrorParts {
 
     /// Updates the parts after a run with the resonant modes that waited. Another state may be nearest with these modes: what
     /// they cannot explain is an error that more steps must tell.
-    pub fn after_unmet_modes(&mut self, (plan, i): (&Plan, u32), apart: f64, measured: &Measured) {
-        let unexplained = apart - UNMET_MARGIN * self.of_resonances;
+    pub fn after_waiting_modes(&mut self, (plan, i): (&Plan, u32), apart: f64, measured: &Measured) {
+        let unexplained = apart - WAITING_MARGIN * self.of_resonances;
         self.of_steps = self.of_steps.max(plan.policy.left_of_steps * unexplained);
         self.of_resonances = missed_resonances(plan, i, measured);
     }

@@ -116,7 +116,7 @@ impl ErrorSummary {
 }
 
 /// A sentence for the file on how a run's estimates were made, or why there are none.
-pub fn basis(plan: &Plan, estimated: bool, exact: bool) -> String {
+pub fn estimate_comment(plan: &Plan, estimated: bool, exact: bool) -> String {
     if exact {
         return "NaN: nothing is estimated of the reference engine, whose steps keep to a tolerance of their own".into();
     }
@@ -135,7 +135,10 @@ pub fn basis(plan: &Plan, estimated: bool, exact: bool) -> String {
             "what modes left out cost is in it by a sample of the instances, or by their flexibility where they are too fast \
              for those steps"
         }
-        None => "what modes left out cost is in it by a sample of the instances",
+        None => {
+            "what modes left out cost is in it by a sample of the instances, by the measured contact and, for fast contacts, by a \
+             run of their own"
+        }
     };
     format!("{steps}; {modes}; NaN where an instance had no second run")
 }

@@ -10,7 +10,7 @@ use super::orbit_pair::{self, OrbitPair};
 use super::stencils::Stencils;
 use super::step_reduction::{half_steps, quarter_steps};
 use super::{basis_choice, precision_trial};
-use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
+use crate::engine::{Engine, EngineError, Finished, Progress, in_double};
 use crate::observe::Status;
 use crate::orbit::{self, OrbitSolution, PeriodicState};
 use crate::plan::{BasisRule, Plan, Precision, STEPS_MAX};
@@ -19,7 +19,7 @@ use rayon::prelude::*;
 /// What the first estimate starts from.
 pub(super) struct EstimateInputs<'a> {
     /// The bases of the first run. None if they are the plan's own.
-    pub poorer: Option<SmallerBasis>,
+    pub poorer: Option<PoorerBasis>,
     /// Truncation error of each instance, from the sample.
     pub left_out: Vec<f64>,
     pub chosen: &'a precision_trial::PrecisionChoice,
@@ -28,7 +28,7 @@ pub(super) struct EstimateInputs<'a> {
 }
 
 /// The next smaller bases.
-pub(super) struct SmallerBasis {
+pub(super) struct PoorerBasis {
     /// One basis for each instance.
     pub bases: Vec<BasisRule>,
     /// The plan of the first run, still with all its steps. An instance keeps its basis here if a separate run estimates its
@@ -36,7 +36,7 @@ pub(super) struct SmallerBasis {
     plan: Plan,
 }
 
-impl SmallerBasis {
+impl PoorerBasis {
     /// Smaller bases for all instances of a plan.
     pub fn of(plan: &Plan, bases: Vec<BasisRule>) -> Self {
         let stepped = plan.stepped().into_iter().map(|i| (i, bases[i as usize]));
@@ -55,7 +55,7 @@ impl SmallerBasis {
 impl<'a> EstimateInputs<'a> {
     /// Inputs for instances that are searched for one by one, without neighbours.
     pub fn alone(
-        poorer: Option<SmallerBasis>,
+        poorer: Option<PoorerBasis>,
         left_out: Vec<f64>,
         chosen: &'a precision_trial::PrecisionChoice,
     ) -> Self {
@@ -76,9 +76,12 @@ pub(super) struct FirstEstimate {
     pub solved: Vec<OrbitPair>,
 }
 
-/// Whether the truncation error of a fast contact needs a run of its own. Jumps of the force excite all oscillators. Few steps
-/// do not show what very few oscillators lack. Steps follow the oscillators of a contact that is not elastic: fewer of them are
-/// slower ones, so that the errors of steps and basis cancel.
+/// Whether the truncation error of a fast contact needs a run of its own:
+///
+/// - a contact that is not elastic: its steps follow its oscillators, and a poorer basis has slower ones, so that the errors of
+///   steps and basis cancel;
+/// - very few oscillators: few steps do not show what these lack;
+/// - a force that jumps: it excites all oscillators.
 fn needs_basis_run(plan: &Plan, i: u32, smaller: BasisRule) -> bool {
     match smaller {
         BasisRule::Contact { count, elastic, .. } => {
@@ -139,7 +142,7 @@ pub(super) fn run(
     }
     kept.into_iter().for_each(|i| begun.known[i as usize].of_steps = f64::NAN);
     begun.add_measured(stepped);
-    if let Some(SmallerBasis { bases, .. }) = &poorer {
+    if let Some(PoorerBasis { bases, .. }) = &poorer {
         begun.tell_fast_bases(plan, stepped, bases, (engine, progress))?;
         begun.split_fast(plan, stepped, &rough.outcome.results, (engine, progress))?;
     }
@@ -220,8 +223,7 @@ fn moved(
     if all == 0 || progress.stopped() {
         return Ok(None);
     }
-    let cpu = Cpu::default();
-    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let double = in_double(engine);
     let plan = fine.clone().in_precision(Precision::F64);
     let moved = orbit::jumps_moved(&plan, &settled.jumps, (before, &settled.found), double, progress)?;
     Ok((moved > 0).then(|| {

@@ -31,7 +31,8 @@ pub(super) fn run(
     }
     let (fewest, left) = (plan.policy.fewest_steps, plan.policy.left_of_steps);
     let estimates = left_out.clone();
-    let mut now = ChunkRun::new(plan, settled, (estimates, left_out), chosen);
+    let arithmetic = chosen.arithmetic(plan.len());
+    let mut now = ChunkRun::new(plan, settled, (estimates, left_out), arithmetic);
     let half = |i: &u32| now.plan.steps(*i) / 2 >= fewest;
     let (coarse, mut doubtful): (Vec<u32>, Vec<u32>) = stepped.iter().copied().partition(half);
     stepped.iter().for_each(|i| now.estimates[*i as usize] = f64::NAN);

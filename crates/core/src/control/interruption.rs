@@ -4,8 +4,9 @@ use super::choices::Choices;
 use super::first_estimate::EstimateInputs;
 use super::step_reduction::half_steps;
 use super::{ChunkRun, precision_trial, refinement};
-use crate::engine::{Engine, EngineError, Finished, Outcome, Progress};
+use crate::engine::{Engine, EngineError, Outcome, Progress};
 use crate::observe::Status;
+use crate::orbit::OrbitSolution;
 use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
 
@@ -28,20 +29,9 @@ pub(super) fn marked(
 impl ChunkRun {
     /// A run before its first step.
     pub(super) fn not_begun(plan: Plan, choices: &Choices) -> Self {
-        let count = plan.len();
-        Self {
-            outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
-            estimates: vec![f64::NAN; count],
-            truncation: vec![f64::NAN; count],
-            found: Vec::new(),
-            periods: vec![0; count],
-            jumps: Vec::new(),
-            neighbour_started: Vec::new(),
-            arithmetic: choices.precision.arithmetic(count),
-            solved: Vec::new(),
-            from_rest: Vec::new(),
-            plan,
-        }
+        let settled = OrbitSolution::without_states(Outcome { ends: Vec::new(), ..Outcome::of(&plan) });
+        let arithmetic = choices.precision.arithmetic(plan.len());
+        Self::unestimated(plan, settled, arithmetic)
     }
 
     /// Sets the status not_run for those of `stepped` that a run after the first ones of `before` could still have changed.

@@ -60,7 +60,7 @@ pub use codec::{
     numbers_key, numbers_to_bytes, portion_number, portion_to_bytes,
 };
 pub use compact_orbit::CompactOrbit;
-pub use error_summary::{ErrorSummary, basis};
+pub use error_summary::{ErrorSummary, estimate_comment};
 pub use followup::{AuditBudget, FollowupKey, FollowupKind, FollowupResult};
 use instance_flags::InstanceFacts;
 pub use instance_flags::InstanceFlags;
@@ -72,7 +72,7 @@ pub use second_orbit::{SecondOrbit, SecondOrbits};
 
 use crate::engine::{Engine, EngineError, Progress, ResultColumns};
 use crate::observe::Status;
-use crate::orbit::{self, OrbitSolution, OrbitTable};
+use crate::orbit::{self, OrbitTable};
 use crate::plan::{Plan, Precision};
 use crate::scene::Steady;
 
@@ -225,26 +225,12 @@ pub fn once(
 ) -> Result<ChunkRun, EngineError> {
     progress.stage(&["run"]);
     let mut plan = plan.resonant();
-    let OrbitSolution { mut outcome, found, periods, jumps } =
-        orbit::solve_first(&mut plan, engine, progress)?;
+    let mut settled = orbit::solve_first(&mut plan, engine, progress)?;
     if progress.stopped() && plan.run.steady == Steady::Search {
         // Time integration would have settled the instances that no search found; it did not run.
-        let waits = outcome.results.iter_mut().filter(|one| one.status == Status::NotSteady);
+        let waits = settled.outcome.results.iter_mut().filter(|one| one.status == Status::NotSteady);
         waits.for_each(|one| one.status = Status::NotRun);
     }
-    let unknown = vec![f64::NAN; plan.len()];
-    let (left_out, arithmetic) = (unknown.clone(), Arithmetic::of(&plan, reason));
-    Ok(ChunkRun {
-        plan,
-        outcome,
-        estimates: unknown,
-        truncation: left_out,
-        found,
-        periods,
-        jumps,
-        neighbour_started: Vec::new(),
-        arithmetic,
-        solved: Vec::new(),
-        from_rest: Vec::new(),
-    })
+    let arithmetic = Arithmetic::of(&plan, reason);
+    Ok(ChunkRun::unestimated(plan, settled, arithmetic))
 }

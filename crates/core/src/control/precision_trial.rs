@@ -3,7 +3,7 @@
 use super::difference_scale::scaled_difference;
 use super::step_reduction::half_steps;
 use super::{Arithmetic, RunResult, contact_sample};
-use crate::engine::{Cpu, Engine, EngineError, Finished, Progress};
+use crate::engine::{Engine, EngineError, Finished, Progress, in_double};
 use crate::observe::Status;
 use crate::orbit;
 use crate::plan::{Plan, Precision};
@@ -117,8 +117,7 @@ pub(super) fn cost_of_rounding(
 ) -> Result<RoundingCost, EngineError> {
     let order = contact_sample::by_stiffness(&run.plan, &run.plan.stepped());
     let sample = contact_sample::spread(&run.plan, &order);
-    let cpu = Cpu::default();
-    let engine: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let engine = in_double(engine);
     let double = run.plan.part(&sample).in_precision(Precision::F64);
     let found = run.found.of(&sample);
     let found: Vec<_> = found.iter().map(Option::as_ref).collect();

@@ -20,43 +20,28 @@ pub fn by_reference(
     progress: &Progress,
 ) -> Result<ChunkRun, EngineError> {
     progress.stage(&["reference"]);
-    let count = plan.len();
     let search = plan.run.steady == Steady::Search;
     let mut plan = plan.clone();
-    let OrbitSolution { mut outcome, found, periods, jumps } = match search {
+    let mut settled = match search {
         true => by_search(&mut plan, progress)?,
         false => orbit::solve(&plan, &[], reference, progress)?,
     };
     if search {
         // The reference replaces the CPU engine's results, except where no set-point was found.
-        let held = |i: &u32| outcome.results[*i as usize].status != Status::NoSetpoint;
+        let held = |i: &u32| settled.outcome.results[*i as usize].status != Status::NoSetpoint;
         let stepped: Vec<u32> = plan.stepped().into_iter().filter(held).collect();
         let truths = match progress.stopped() {
             true => vec![Finished::NOT_RUN; stepped.len()],
             false => {
-                let known = |i: u32| found.get(i as usize)?.as_deref().map(|place| place.section);
+                let known = |i: u32| settled.state(i as usize).map(|place| place.section);
                 reference_solutions(&plan, true, &stepped, &known, &ReferenceSolver::of(reference), progress)?
             }
         };
-        stepped.iter().zip(truths).for_each(|(i, truth)| outcome.results[*i as usize] = truth);
+        stepped.iter().zip(truths).for_each(|(i, truth)| settled.outcome.results[*i as usize] = truth);
     }
-    let unknown = vec![f64::NAN; count];
-    Ok(ChunkRun {
-        plan: plan.clone(),
-        outcome,
-        estimates: unknown.clone(),
-        truncation: unknown,
-        found,
-        periods,
-        jumps,
-        neighbour_started: Vec::new(),
-        arithmetic: Arithmetic::of(
-            &plan.clone().in_precision(Precision::F64),
-            "the reference engine has no other",
-        ),
-        solved: Vec::new(),
-        from_rest: Vec::new(),
-    })
+    let reason = "the reference engine has no other".into();
+    let arithmetic = Arithmetic { of: vec![Precision::F64; plan.len()], rounding: f64::NAN, reason };
+    Ok(ChunkRun::unestimated(plan, settled, arithmetic))
 }
 
 /// Searches with the CPU engine in the way of a controlled run, so that both find the same of two states. The plan takes the
@@ -317,12 +302,12 @@ const REDUCTION_ERROR: f64 = 4e-5;
 const REDUCTION_ERROR_SHARE: f64 = 0.4;
 /// Largest error of the contact force by the reference's steps, as a share of the accuracy.
 const STEP_ERROR_SHARE: f64 = 0.1;
-/// Largest distance from the periodic state that the reference's steps allow, in units of their tolerance.
-const MAX_TRUNCATION_MODES: f64 = 100.0;
+/// The reference's steps may leave an error of this many of their tolerances, whatever it truncates.
+const MIN_STEP_ERROR_TOLERANCES: f64 = 100.0;
 
 /// Upper bound of the reference's own error. Truncated modes act like a spring of their flexibility in series with the
 /// contact, unless there are enough of them for an oscillator. Its steps have a tolerance.
-pub fn truncation_error(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
+pub fn reference_error(plan: &Plan, instance: usize, measured: &Measured) -> f64 {
     let modes = &plan.driven(instance as u32).instrument.modes;
     let mut shares: Vec<f64> =
         modes.iter().map(|mode| (mode.inverse_mass() / (mode.omega * mode.omega)).abs()).collect();
@@ -337,7 +322,7 @@ pub fn truncation_error(plan: &Plan, instance: usize, measured: &Measured) -> f6
     }
     let error = gives_way(plan, instance, measured, left);
     let most = REDUCTION_ERROR.max(REDUCTION_ERROR_SHARE * plan.run.accuracy);
-    if error.is_finite() { error.clamp(MAX_TRUNCATION_MODES * TOLERANCE, most) } else { f64::NAN }
+    if error.is_finite() { error.clamp(MIN_STEP_ERROR_TOLERANCES * TOLERANCE, most) } else { f64::NAN }
 }
 
 /// Approximate error from omitting `flexibility` (m/N) of the tip: a spring in series with the contact. The contact's

@@ -10,7 +10,7 @@ use crate::observe::Status;
 use crate::orbit::{self, OrbitSolution, SETTLED_SHARE};
 use crate::plan::{Plan, Precision};
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Runs the plan with a quarter and with half of its steps, then repeats those of `stepped` whose estimates are too large. If
 /// the precision is mixed, instances that miss the accuracy in f32 continue in f64, because more steps do not reduce
@@ -30,41 +30,16 @@ pub(super) fn run(
     let mut refining = RefinementRun::new(begun, chosen, engine, progress);
     let mut doubted = Vec::new();
     for round in 0..plan.policy.doublings + plan.policy.richer_bases {
-        let groups = refining.groups(stepped);
+        let open = refining.open(stepped);
         if round == 0 {
-            doubted = groups.all();
+            doubted = open.iter().map(|(i, _)| *i).collect();
         }
-        if groups.is_empty() || progress.stopped() {
+        if open.is_empty() || progress.stopped() {
             break;
         }
-        refining.carry_out(&groups, round == 0)?;
+        refining.carry_out(&open, round == 0)?;
     }
     refining.end(stepped, doubted)
-}
-
-/// Instances grouped by what they need next.
-#[derive(Default)]
-struct Groups {
-    double: Vec<u32>,
-    more_steps: Vec<u32>,
-    richer: Vec<u32>,
-    unmet: Vec<u32>,
-}
-
-impl Groups {
-    fn is_empty(&self) -> bool {
-        self.double.is_empty()
-            && self.more_steps.is_empty()
-            && self.richer.is_empty()
-            && self.unmet.is_empty()
-    }
-
-    /// All of them, sorted by number.
-    fn all(&self) -> Vec<u32> {
-        let mut all = [&self.double[..], &self.more_steps, &self.richer, &self.unmet].concat();
-        all.sort_unstable();
-        all
-    }
 }
 
 /// A run under refinement.
@@ -79,6 +54,11 @@ struct RefinementRun<'a> {
     progress: &'a Progress,
 }
 
+/// The open instances with this need.
+fn with(open: &[(u32, Next)], need: Next) -> impl Iterator<Item = u32> {
+    open.iter().filter(move |(_, what)| *what == need).map(|(i, _)| *i)
+}
+
 impl<'a> RefinementRun<'a> {
     fn new(
         FirstEstimate { plan, settled, known, neighbour_started, solved }: FirstEstimate,
@@ -88,29 +68,22 @@ impl<'a> RefinementRun<'a> {
     ) -> Self {
         let estimates = known.iter().map(ErrorParts::error).collect();
         let left_out = known.iter().map(|known| known.of_modes).collect();
-        let now = ChunkRun::new(plan, settled, (estimates, left_out), chosen);
+        let arithmetic = chosen.arithmetic(plan.len());
+        let now = ChunkRun::new(plan, settled, (estimates, left_out), arithmetic);
         let now = ChunkRun { neighbour_started, solved, ..now };
         Self { now, known, mixed: chosen.mixed, rounding: chosen.rounding, engine, progress }
     }
 
-    /// Groups these instances by what they need next.
-    fn groups(&self, stepped: &[u32]) -> Groups {
-        let mut groups = Groups::default();
-        let mut wants_richer = Vec::new();
-        for &i in stepped {
-            match self.next(i, true) {
-                Next::Accept => {}
-                Next::Double => groups.double.push(i),
-                Next::MoreSteps => groups.more_steps.push(i),
-                Next::RicherBasis => wants_richer.push(i),
-                Next::UnmetModes => groups.unmet.push(i),
-            }
+    /// Those of these instances that need another run, and what they need.
+    fn open(&self, stepped: &[u32]) -> Vec<(u32, Next)> {
+        let mut open: Vec<(u32, Next)> = stepped.iter().map(|i| (*i, self.next(*i, true))).collect();
+        let (_, richest) = self.now.plan.can_be_richer(with(&open, Next::RicherBasis).collect());
+        let richest: HashSet<u32> = richest.into_iter().collect();
+        for (i, what) in open.iter_mut().filter(|(i, _)| richest.contains(i)) {
+            *what = self.next(*i, false);
         }
-        let (richer, richest) = self.now.plan.can_be_richer(wants_richer);
-        groups.richer = richer;
-        let steps_help = |i: &u32| self.next(*i, false) == Next::MoreSteps;
-        groups.more_steps.extend(richest.into_iter().filter(steps_help));
-        groups
+        open.retain(|(_, what)| *what != Next::Accept);
+        open
     }
 
     fn next(&self, i: u32, can_be_richer: bool) -> Next {
@@ -131,21 +104,21 @@ impl<'a> RefinementRun<'a> {
         self.now.arithmetic.of[i as usize] == Precision::F32
     }
 
-    /// Runs each group. In a mixed run, more steps stay in f32 in the first round only.
-    fn carry_out(&mut self, groups: &Groups, first_round: bool) -> Result<(), EngineError> {
-        let by_precision = |instances: &[u32], single_stays: bool| -> (Vec<u32>, Vec<u32>) {
-            instances.iter().copied().partition(|i| self.is_single(*i) && single_stays)
-        };
-        let (single, double) = by_precision(&groups.more_steps, first_round || !self.mixed);
-        let (single_richer, double_richer) = by_precision(&groups.richer, true);
-        let (single_unmet, double_unmet) = by_precision(&groups.unmet, true);
-        self.again(&groups.double, Next::Double, Precision::F64)?;
-        self.again(&single, Next::MoreSteps, Precision::F32)?;
-        self.again(&double, Next::MoreSteps, Precision::F64)?;
-        self.again(&single_richer, Next::RicherBasis, Precision::F32)?;
-        self.again(&double_richer, Next::RicherBasis, Precision::F64)?;
-        self.again(&single_unmet, Next::UnmetModes, Precision::F32)?;
-        self.again(&double_unmet, Next::UnmetModes, Precision::F64)
+    /// Runs the open instances. In a mixed run, more steps stay in f32 in the first round only.
+    fn carry_out(&mut self, open: &[(u32, Next)], first_round: bool) -> Result<(), EngineError> {
+        let kinds = [
+            (Next::InF64, false),
+            (Next::MoreSteps, first_round || !self.mixed),
+            (Next::RicherBasis, true),
+            (Next::WaitingModes, true),
+        ];
+        for (what, stays) in kinds {
+            let (single, double): (Vec<u32>, Vec<u32>) =
+                with(open, what).partition(|i| stays && self.is_single(*i));
+            self.again(&single, what, Precision::F32)?;
+            self.again(&double, what, Precision::F64)?;
+        }
+        Ok(())
     }
 
     /// Runs these instances again and takes their results.
@@ -157,8 +130,8 @@ impl<'a> RefinementRun<'a> {
         let mut other = match what {
             Next::MoreSteps => part.with_steps(|steps| 2 * steps),
             Next::RicherBasis => part.with_richer_bases(),
-            Next::UnmetModes => part.with_unmet_modes(),
-            Next::Double | Next::Accept => part,
+            Next::WaitingModes => part.with_waiting_modes(),
+            Next::InF64 | Next::Accept => part,
         };
         let near = orbit::gather(&self.now.found, instances);
         let settled = orbit::solve_again(&mut other, &near, self.engine, self.progress)?;
@@ -207,8 +180,8 @@ impl<'a> RefinementRun<'a> {
         match what {
             Next::MoreSteps => known.after_more_steps(at, apart, measured),
             Next::RicherBasis => known.after_richer_basis(at, apart, measured),
-            Next::UnmetModes => known.after_unmet_modes(at, apart, measured),
-            Next::Double => {
+            Next::WaitingModes => known.after_waiting_modes(at, apart, measured),
+            Next::InF64 => {
                 // The same steps in another precision say nothing about the step error: the next round estimates it.
                 if result.status == Status::Ok {
                     known.unsplit = None;
@@ -243,30 +216,6 @@ impl<'a> RefinementRun<'a> {
 }
 
 impl ChunkRun {
-    /// A run before refinement, with its estimates and their truncation parts.
-    pub(super) fn new(
-        plan: Plan,
-        OrbitSolution { outcome, found, periods, jumps }: OrbitSolution,
-        (estimates, left_out): (Vec<f64>, Vec<f64>),
-        chosen: &precision_trial::PrecisionChoice,
-    ) -> Self {
-        let arithmetic = chosen.arithmetic(plan.len());
-        let (neighbour_started, solved) = (Vec::new(), Vec::new());
-        Self {
-            plan,
-            outcome,
-            estimates,
-            truncation: left_out,
-            found,
-            periods,
-            jumps,
-            neighbour_started,
-            arithmetic,
-            solved,
-            from_rest: Vec::new(),
-        }
-    }
-
     /// Adds the change that further integration may bring to an instance that left before it settled completely.
     pub(super) fn add_unsettled(&mut self, i: u32) {
         let n = i as usize;
@@ -280,7 +229,7 @@ impl ChunkRun {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::first_estimate::SmallerBasis;
+    use crate::control::first_estimate::PoorerBasis;
     use crate::engine::Cpu;
     use crate::plan::BasisRule;
     use crate::scene::Scene;
@@ -304,7 +253,7 @@ mod tests {
         };
         let error = |of: &ChunkRun| scaled_difference(&whole, 0, &of.outcome.results[0], &truth);
         let modes = |of: &ChunkRun| of.plan.driven(0).kept.modes.len();
-        let poorer = SmallerBasis::of(&with(0.1), vec![BasisRule::Shares { accuracy: 0.3 }]);
+        let poorer = PoorerBasis::of(&with(0.1), vec![BasisRule::Shares { accuracy: 0.3 }]);
         let (alike, apart) = (run(None), run(Some(poorer)));
         let asked = scene.run.accuracy;
         // Steps alone do not show the error; what the basis misses of the compliance does.

@@ -83,7 +83,7 @@ impl SecondRefinement {
                 None => self.known[n].of_steps = f64::INFINITY,
             }
         }
-        self.add_unmet_modes(stepped, pieces)?;
+        self.add_waiting_modes(stepped, pieces)?;
         let (poor, _) = self.plan.can_be_richer(stepped.to_vec());
         let rich = self.plan.part(&poor).with_richer_bases();
         let mut taken = HashMap::new();
@@ -124,21 +124,21 @@ impl SecondRefinement {
     }
 
     /// Adds the resonant modes that wait where the measured force asks for them.
-    fn add_unmet_modes(&mut self, stepped: &[u32], pieces: &CheckpointedSearch) -> Result<(), EngineError> {
+    fn add_waiting_modes(&mut self, stepped: &[u32], pieces: &CheckpointedSearch) -> Result<(), EngineError> {
         let asked = |n: &&u32| {
             let known = &self.known[**n as usize];
             let leads = known.of_resonances > known.of_steps.max(known.of_modes);
             leads && known.error() > self.aim() && self.others[**n as usize].finished.status == Status::Ok
         };
-        let unmet: Vec<u32> = stepped.iter().filter(asked).copied().collect();
-        let with = self.plan.part(&unmet).with_unmet_modes();
+        let waiting: Vec<u32> = stepped.iter().filter(asked).copied().collect();
+        let with = self.plan.part(&waiting).with_waiting_modes();
         let mut taken = HashMap::new();
-        for (there, (n, found)) in (0..).zip(self.again(&with, &unmet, pieces)?) {
+        for (there, (n, found)) in (0..).zip(self.again(&with, &waiting, pieces)?) {
             let Some((apart, finished, place)) = found else {
                 self.known[n].of_resonances = f64::INFINITY;
                 continue;
             };
-            self.known[n].after_unmet_modes((&with, there), apart, &finished.measured);
+            self.known[n].after_waiting_modes((&with, there), apart, &finished.measured);
             self.put(n, finished, *place);
             self.plan.take_resolution(n as u32, &with, there, &mut taken);
         }

@@ -43,6 +43,11 @@ use crate::observe::{Measured, Status};
 use crate::plan::{Plan, SectionState};
 use thiserror::Error;
 
+/// The engine if it can compute in f64, or else the processor.
+pub(crate) fn in_double(engine: &dyn Engine) -> &dyn Engine {
+    if engine.double() { engine } else { &Cpu { strict: false } }
+}
+
 /// Steps every instance of a plan.
 pub trait Engine: Send + Sync {
     /// Name of the device, for the results file.

@@ -5,7 +5,9 @@ use super::initial_guess::InitialGuess;
 use super::period_map::{PeriodMap, section, section_numbers};
 use super::tolerances;
 use super::verification::search_and_verify;
-use crate::engine::{Cpu, Engine, EngineError, JacobianStart, PeriodJacobian, ProfileSection, Progress};
+use crate::engine::{
+    Engine, EngineError, JacobianStart, PeriodJacobian, ProfileSection, Progress, in_double,
+};
 use crate::kernel::Room;
 use crate::periodic::{Envelope, EnvelopeEnd, EnvelopeOptions};
 use crate::plan::{Plan, SectionState};
@@ -47,8 +49,7 @@ pub(super) fn follow_and_search(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<Vec<u32>, EngineError> {
-    let cpu = Cpu::default();
-    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let double = in_double(engine);
     let part = plan.part(&from.iter().map(|one| one.instance).collect::<Vec<u32>>());
     let all: Vec<u32> = part.instances().collect();
     let map = PeriodMap::new(&part, &all, double, progress)?;

@@ -37,7 +37,7 @@ pub use orbit_transfer::{transfer_orbit, transfer_orbit_corrected};
 pub use stencil::{SolvedNeighbour, Stencil, StencilPoint, StencilStart};
 pub use time_integration::SETTLED_SHARE;
 
-use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
+use crate::engine::{Engine, EngineError, Finished, Outcome, Progress, in_double};
 use crate::observe::Status;
 use crate::periodic::Floquet;
 use crate::plan::{Plan, ReducedBasis, SectionState};
@@ -91,6 +91,19 @@ pub struct OrbitSolution {
 }
 
 impl OrbitSolution {
+    /// The plan's instances before any run.
+    pub fn not_run(plan: &Plan) -> Self {
+        let count = plan.len();
+        let outcome = Outcome { ends: Vec::new(), ..Outcome::of(plan) };
+        Self { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() }
+    }
+
+    /// Results that no search found.
+    pub fn without_states(outcome: Outcome) -> Self {
+        let periods = vec![0; outcome.results.len()];
+        Self { outcome, found: Vec::new(), periods, jumps: Vec::new() }
+    }
+
     /// The state found of an instance.
     pub fn state(&self, instance: usize) -> Option<&PeriodicState> {
         self.found.get(instance).and_then(Option::as_deref)
@@ -219,8 +232,7 @@ pub fn solve_first(
         return solve(plan, &[], engine, progress);
     }
     progress.part();
-    let cpu = Cpu::default();
-    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let double = in_double(engine);
     let followed = continuation::continue_curves(plan, double, progress)?;
     let near: Vec<Option<&PeriodicState>> = followed.states.iter().map(Option::as_ref).collect();
     let mut settled = match progress.stopped() {
@@ -239,16 +251,15 @@ fn measure_curve_states(
     near: &[Option<&PeriodicState>],
     engine: &dyn Engine,
 ) -> Result<OrbitSolution, EngineError> {
-    let count = plan.len();
-    let mut outcome = Outcome { ends: Vec::new(), ..Outcome::of(plan) };
+    let mut settled = OrbitSolution::not_run(plan);
     let reached: Vec<u32> = plan.instances().filter(|i| near[*i as usize].is_some()).collect();
     let states: Vec<Option<&PeriodicState>> = reached.iter().map(|i| near[*i as usize]).collect();
     // These few periods run to the end although the run is stopped.
     let on = run_on(plan.part(&reached), &states, engine, &Progress::default())?;
     for (i, finished) in reached.into_iter().zip(on.results) {
-        outcome.results[i as usize] = Finished { status: Status::NotRun, ..finished };
+        settled.outcome.results[i as usize] = Finished { status: Status::NotRun, ..finished };
     }
-    Ok(OrbitSolution { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() })
+    Ok(settled)
 }
 
 /// Runs the plan's instances again, with other steps or bases. Like [`solve`], and holds set-points again, from the plan's

@@ -7,8 +7,8 @@ use super::tolerances::{newton_tol, scale};
 use super::transfer_cache::TransferCache;
 use super::{Jacobian, OrbitSolution, PeriodicState};
 use crate::engine::{
-    Corrections, Cpu, Engine, EngineError, INSTANCES_PER_BATCH, Outcome, Prediction, Predictions,
-    ProfileSection, Progress,
+    Corrections, Engine, EngineError, INSTANCES_PER_BATCH, Prediction, Predictions, ProfileSection, Progress,
+    in_double,
 };
 use crate::kernel::broyden::Phase;
 use crate::periodic::{Floquet, Memory, Size};
@@ -48,16 +48,9 @@ pub(super) fn correct_travel(
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
     let tried = predicted(plan, leads);
-    let cpu = Cpu::default();
-    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let double = in_double(engine);
     progress.task("from neighbours", 0);
-    let count = plan.len();
-    let mut settled = OrbitSolution {
-        outcome: Outcome { ends: Vec::new(), ..Outcome::of(plan) },
-        found: vec![None; count],
-        periods: vec![0; count],
-        jumps: Vec::new(),
-    };
+    let mut settled = OrbitSolution::not_run(plan);
     let part = if double.by_threads() { batch_size(tried.len()) } else { tried.len().max(1) };
     let parts: Vec<_> = by_size(plan, &tried)
         .into_iter()

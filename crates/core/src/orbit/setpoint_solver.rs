@@ -3,7 +3,7 @@
 use super::setpoint_continuation::{self, ApproachEnd, MAX_DEPTH_AMPLITUDES};
 use super::setpoint_residual::setpoint_residual;
 use super::{OrbitSolution, PeriodicState, solve};
-use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
+use crate::engine::{Engine, EngineError, Finished, Progress, in_double};
 use crate::observe::Status;
 use crate::plan::{BasisRule, Plan};
 use crate::scene::Held;
@@ -74,8 +74,7 @@ fn approach_and_hold(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<(OrbitSolution, Vec<(u32, f64)>), EngineError> {
-    let cpu = Cpu::default();
-    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let double = in_double(engine);
     let approached = setpoint_continuation::approach_setpoints(by, double, progress)?;
     let mut gaps: Vec<f64> = plan.cases().map(|case| case.gap).collect();
     let mut states: Vec<Option<PeriodicState>> = vec![None; plan.len()];
@@ -115,16 +114,6 @@ pub(super) fn hold_again(
 /// The result of an instance whose set-point no gap holds.
 const NO_SETPOINT: Finished = Finished { status: Status::NoSetpoint, ..Finished::NOT_RUN };
 
-/// The solution before any run.
-fn empty_solution(count: usize) -> OrbitSolution {
-    OrbitSolution {
-        outcome: Outcome { results: vec![Finished::NOT_RUN; count], ends: Vec::new(), notes: Vec::new() },
-        found: vec![None; count],
-        periods: vec![0; count],
-        jumps: Vec::new(),
-    }
-}
-
 /// An instance whose gap is an unknown.
 struct GapIterate {
     instance: u32,
@@ -142,7 +131,7 @@ fn hold(
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
     let mut gaps: Vec<f64> = plan.cases().map(|case| case.gap).collect();
-    let mut all = empty_solution(plan.len());
+    let mut all = OrbitSolution::not_run(plan);
     // An instance that feels no sample cannot hold a set-point.
     let none = |i: &&u32| gaps[**i as usize].is_nan() || plan.steps(**i) == 0;
     let (lost, held): (Vec<u32>, Vec<u32>) = instances.iter().partition(none);

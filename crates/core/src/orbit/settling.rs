@@ -10,7 +10,7 @@ use super::initial_guess::{InitialGuess, Unconverged};
 use super::period_map::{PeriodMap, transfer_section};
 use super::verification::search_and_verify;
 use super::{OrbitSolution, continuation, time_integration};
-use crate::engine::{Cpu, Engine, EngineError, Progress};
+use crate::engine::{Engine, EngineError, Progress, in_double};
 use crate::plan::{Plan, SectionState, StartState};
 use std::collections::{BTreeMap, HashSet};
 use std::f64::consts::TAU;
@@ -127,8 +127,7 @@ impl CheckpointRun<'_> {
         mut going: Vec<Settling>,
         (on, judged): (u32, bool),
     ) -> Result<Vec<Settling>, EngineError> {
-        let cpu = Cpu::default();
-        let double: &dyn Engine = if self.engine.double() { self.engine } else { &cpu };
+        let double = in_double(self.engine);
         let instances: Vec<u32> = going.iter().map(|one| one.left.instance).collect();
         let map = PeriodMap::new(self.plan, &instances, double, self.progress)?;
         self.progress.task("waiting", 0);

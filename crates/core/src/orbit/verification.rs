@@ -3,7 +3,7 @@
 use super::initial_guess::{InitialGuess, Unconverged};
 use super::quasi_newton::correct_own_states;
 use super::{OrbitSolution, PeriodicState, gather, residual, search_batch};
-use crate::engine::{Cpu, Engine, EngineError, Finished, Outcome, Progress};
+use crate::engine::{Engine, EngineError, Finished, Outcome, Progress, in_double};
 use crate::plan::{Plan, Precision, SectionState, StartState};
 
 /// Periods that continue from a state that one period does not confirm; all but the first are measured. A few are as good as
@@ -41,8 +41,7 @@ fn search_by_travel(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<(OrbitSolution, Vec<Unconverged>), EngineError> {
-    let cpu = Cpu::default();
-    let double: &dyn Engine = if engine.double() { engine } else { &cpu };
+    let double = in_double(engine);
     progress.task("search", instances.len() as u64);
     let alike = class_order(plan, instances);
     let searched = search_batch::solve_batches(plan, &alike, begin, double, progress)?;
@@ -230,6 +229,7 @@ pub(super) fn run_on(
 mod tests {
     use super::super::period_map::distance;
     use super::*;
+    use crate::engine::Cpu;
     use crate::observe::Status;
     use crate::scene::Scene;
     use std::path::Path;

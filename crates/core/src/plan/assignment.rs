@@ -1,7 +1,7 @@
 //! Assigns each instance its drive, with the basis, and its steps.
 
 use super::basis::ModeDemand;
-use super::contact_rate::{Rung, RungCache};
+use super::contact_rate::{OctaveCache, RateOctave};
 use super::interning::Interned;
 use super::{Driven, Ensemble, InstanceId, ReducedBasis, steps};
 use crate::contact::Contact;
@@ -25,7 +25,7 @@ const MAX_STEPS_FOR_MODES: f64 = 2048.0;
 /// Maps `of` over all instances and their contacts, a stretch at a time.
 fn in_stretches<'a, T: Send>(
     ensemble: &'a Ensemble,
-    of: impl Fn(&mut RungCache<'a>, InstanceId, &Contact) -> T + Sync + 'a,
+    of: impl Fn(&mut OctaveCache<'a>, InstanceId, &Contact) -> T + Sync + 'a,
 ) -> impl Iterator<Item = Vec<T>> + 'a {
     (0..ensemble.len()).step_by(INSTANCES_AT_ONCE).map(move |from| {
         let to = ensemble.len().min(from + INSTANCES_AT_ONCE);
@@ -35,7 +35,7 @@ fn in_stretches<'a, T: Send>(
             .map(|from| {
                 let ids = (from..to.min(from + TOGETHER)).map(|i| InstanceId(i as u32));
                 let contacts = ensemble.contacts_of(ids.clone());
-                let mut last = RungCache::default();
+                let mut last = OctaveCache::default();
                 ids.zip(contacts).map(|(id, contact)| of(&mut last, id, &contact.contact())).collect()
             })
             .collect();
@@ -54,8 +54,8 @@ pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Drive
     in_stretches(ensemble, |tip, id, contact| {
         let (own, gap) = (ensemble.drive_of.get(id.0 as usize), ensemble.gap(id));
         let driven = &known[own as usize];
-        let rung = if told { Rung::default() } else { tip.rung((own, driven), contact, gap) };
-        ((own, rung), steps_of((run, led), (contact, gap), driven))
+        let octave = if told { RateOctave::default() } else { tip.octave((own, driven), contact, gap) };
+        ((own, octave), steps_of((run, led), (contact, gap), driven))
     })
     .for_each(|some| some.into_iter().for_each(|one| usual.push(one)));
     let made = if told { HashMap::new() } else { fast_contacts(usual.known(), run, drives) };
@@ -74,19 +74,19 @@ pub(super) fn resolutions(ensemble: &Ensemble, run: &Run, drives: &mut Vec<Drive
     resolution
 }
 
-/// A drive and the rung of a contact.
-type Key = (u32, Rung);
+/// A drive and the octave of a contact.
+type Key = (u32, RateOctave);
 
-/// Makes bases for contacts that are too fast for the modes with the largest shares, one per drive and rung. Adds them to
+/// Makes bases for contacts that are too fast for the modes with the largest shares, one per drive and octave. Adds them to
 /// `drives` and returns their numbers.
 fn fast_contacts(all: &[(Key, u32)], run: &Run, drives: &mut Vec<Driven>) -> HashMap<Key, u32> {
     let distinct: BTreeSet<Key> = all.iter().map(|(key, _)| *key).collect();
     let distinct: Vec<Key> = distinct.into_iter().collect();
     let bases: Vec<Option<Arc<ReducedBasis>>> = distinct
         .par_iter()
-        .map(|(drive, rung)| {
+        .map(|(drive, octave)| {
             let driven = &drives[*drive as usize];
-            driven.for_rung(*rung, run.accuracy, |rule| shares(driven, rule, run))
+            driven.for_octave(*octave, run.accuracy, |rule| shares(driven, rule, run))
         })
         .collect();
     let mut made: HashMap<Key, u32> = HashMap::new();

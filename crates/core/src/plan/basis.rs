@@ -50,8 +50,9 @@ pub struct ReducedBasis {
     pub residual_share: f64,
     /// Whether one residual oscillator replaces the faster modes.
     pub residual_kept: bool,
-    /// Modes that a harmonic of the drive meets and no oscillator stands for. The measured force tells whether they matter.
-    pub unmet: Vec<Resonance>,
+    /// Faint modes that a harmonic of the drive meets: they wait until the measured force tells that they matter. None in a
+    /// contact's basis.
+    pub waiting: Vec<Resonance>,
     /// The rule that chose them.
     pub rule: BasisRule,
     /// The reason for the choice, in words.
@@ -93,13 +94,14 @@ impl ReducedBasis {
         rule: BasisRule,
         reason: String,
     ) -> Self {
-        Self { modes, flexibility, residual_share, residual_kept: false, unmet: Vec::new(), rule, reason }
+        Self { modes, flexibility, residual_share, residual_kept: false, waiting: Vec::new(), rule, reason }
     }
 
     /// Chooses modes for a drive of angular frequency `omega`, in order of their share, until the remainder is below three
     /// times `accuracy`. The remainder becomes a residual oscillator if it is above a tenth of `accuracy` and slow enough to
-    /// be stepped with `steps_max` steps a period. Adds modes resonant with a harmonic of the drive if a hard contact needs them.
-    /// `count` overrides all this: exactly so many modes, nothing for the rest.
+    /// be stepped with `steps_max` steps a period. Adds modes that a harmonic of the drive meets if a hard contact needs them and
+    /// no trial of bases can tell: those met head-on, and the faint ones if `resonant`, which otherwise wait. `count` overrides
+    /// all this: exactly so many modes, nothing for the rest.
     pub fn choose(
         instrument: &Instrument,
         omega: f64,
@@ -125,13 +127,13 @@ impl ReducedBasis {
             let richest =
                 Self::by_share(instrument, RICHEST_ACCURACY_SHARE * asked, None, (fastest, steps_max));
             met.retain(|one| !has(&richest, one.mode) || one.is_head_on());
-            kept.unmet.extend(met.extract_if(.., |one| !resonant && !has(&richest, one.mode)));
+            kept.waiting.extend(met.extract_if(.., |one| !resonant && !has(&richest, one.mode)));
         }
         let met: Vec<usize> = met.iter().map(|one| one.mode).collect();
         kept.add_residual(instrument, &met, accuracy, fastest);
         kept.add_met(instrument, &met);
         let frequency = |one: &Resonance| instrument.modes[one.mode].omega / std::f64::consts::TAU / 1e3;
-        let waiting: Vec<String> = kept.unmet.iter().map(|one| format!("{:.4}", frequency(one))).collect();
+        let waiting: Vec<String> = kept.waiting.iter().map(|one| format!("{:.4}", frequency(one))).collect();
         if !waiting.is_empty() {
             kept.note(format!(
                 "harmonics of the drive meet faint modes at {} kHz: they join where the measured force asks for them",

@@ -6,11 +6,11 @@ use crate::kernel::MODES_MAX;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BasisRule {
     /// Modes in the order of their share of the tip's flexibility until the remainder suits this accuracy, and one residual
-    /// oscillator. Modes that a harmonic of the drive meets are among them unless they are faint.
+    /// oscillator. Modes that a harmonic of the drive meets head-on are among them unless they are faint.
     Shares { accuracy: f64 },
     /// The same, and the faint modes that a harmonic of the drive meets.
     Resonant { accuracy: f64 },
-    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s. Steps meet fast ones by their means if the contact
+    /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s. Steps average over fast ones if the contact
     /// is `elastic`: the force of another depends on their speed.
     Contact { rate: f64, count: usize, elastic: bool },
 }

@@ -6,7 +6,8 @@ use super::interning::{Codes, Interned};
 use super::resolution::{Ids, InstanceResolutions};
 use super::shared_contacts::SharedContacts;
 use super::{
-    CurveLayout, Drive, Driven, Ensemble, Grid, GridAxis, Plan, Policy, Precision, ReducedBasis, SetPoint,
+    CurveLayout, Drive, Driven, Ensemble, Grid, GridAxis, Plan, PlanError, Policy, Precision, ReducedBasis,
+    SetPoint,
 };
 use crate::contact::Compact;
 use crate::instrument::{FreeMotion, Instrument, InstrumentError, Pattern};
@@ -18,15 +19,6 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use thiserror::Error;
-
-/// Why a scene cannot be planned.
-#[derive(Debug, Error)]
-pub enum PlanError {
-    /// `values` names the swept values of the instance, empty without a sweep.
-    #[error("instance {instance}{values}: {source}")]
-    Instrument { instance: usize, values: String, source: InstrumentError },
-}
 
 impl Plan {
     /// Plans every instance. Each distinct instrument is reduced once.
@@ -36,9 +28,9 @@ impl Plan {
         let resolution = assignment::resolutions(&ensemble, &scene.run, &mut drives);
         let asked = wants(&scene.output.observables);
         let holds_force = matches!(scene.base.approach.held, Some(Held::Force(_)));
-        let unmet = drives.iter().any(|driven| !driven.kept.unmet.is_empty());
+        let waiting = drives.iter().any(|driven| !driven.kept.waiting.is_empty());
         let (extremes, viscous) =
-            (asked.extremes || asked.energy || holds_force || unmet, ensemble.has_viscous());
+            (asked.extremes || asked.energy || holds_force || waiting, ensemble.has_viscous());
         Ok(Self {
             ids: Ids::All(ensemble.len() as u32),
             resolution: InstanceResolutions::coded(resolution),
@@ -52,7 +44,7 @@ impl Plan {
                 // Errors of the mean force, and of energies from rest, are relative to the largest force.
                 extremes,
                 // Contact time and largest force tell what faint modes lose.
-                contact: asked.contact || unmet,
+                contact: asked.contact || waiting,
                 // Where the tip went does not tell the force of a viscous sample.
                 forces: extremes && viscous,
                 ..asked

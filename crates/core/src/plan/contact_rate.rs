@@ -56,7 +56,7 @@ pub(super) fn contact_rate(
 
 /// What contacts that share a basis have in common.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Rung {
+pub(super) struct RateOctave {
     /// Their rates are at most 2 to this power times the drive's angular frequency.
     pub power: u32,
     /// Whether the sample neither loses energy nor relaxes.
@@ -65,9 +65,9 @@ pub(super) struct Rung {
     pub jumps: bool,
 }
 
-/// Data of a drive for [`Driven::rung`] of very many contacts: the numbers of [`compliance`] side by side, so that their
+/// Data of a drive for [`Driven::octave`] of very many contacts: the numbers of [`compliance`] side by side, so that their
 /// quotients are computed together.
-pub(super) struct Tip<'a> {
+pub(super) struct DriveCompliance<'a> {
     driven: &'a Driven,
     squares: Vec<f64>,
     inverse_masses: Vec<f64>,
@@ -76,19 +76,19 @@ pub(super) struct Tip<'a> {
     at_omega: f64,
 }
 
-impl<'a> Tip<'a> {
+impl<'a> DriveCompliance<'a> {
     pub fn of(driven: &'a Driven) -> Self {
         let modes = &driven.instrument.modes;
         let squares = modes.iter().map(|mode| mode.omega * mode.omega).collect();
         let inverse_masses = modes.iter().map(Mode::inverse_mass).collect();
         let terms = vec![0.0; modes.len()];
-        let mut tip = Self { driven, squares, inverse_masses, terms, at_omega: f64::NAN };
-        tip.at_omega = tip.answer(driven.free.omega);
-        tip
+        let mut all = Self { driven, squares, inverse_masses, terms, at_omega: f64::NAN };
+        all.at_omega = all.compliance(driven.free.omega);
+        all
     }
 
     /// [`compliance`], to the bit.
-    fn answer(&mut self, s: f64) -> f64 {
+    fn compliance(&mut self, s: f64) -> f64 {
         if s == self.driven.free.omega && !self.at_omega.is_nan() {
             return self.at_omega;
         }
@@ -99,38 +99,38 @@ impl<'a> Tip<'a> {
         self.terms.iter().sum()
     }
 
-    /// [`Driven::rung`], to the bit.
-    pub fn rung(&mut self, contact: &Contact, gap: f64) -> Rung {
+    /// [`Driven::octave`], to the bit.
+    pub fn octave(&mut self, contact: &Contact, gap: f64) -> RateOctave {
         let driven = self.driven;
         let free = (driven.free.omega, driven.free_amplitude(), gap);
-        driven.rung_of(contact, contact_rate(contact, free, |s| self.answer(s)))
+        driven.octave_of(contact, contact_rate(contact, free, |s| self.compliance(s)))
     }
 }
 
 /// The drive of the last contact, with its number: neighbours mostly share it.
 #[derive(Default)]
-pub(super) struct RungCache<'a>(Option<(u32, Tip<'a>)>);
+pub(super) struct OctaveCache<'a>(Option<(u32, DriveCompliance<'a>)>);
 
-impl<'a> RungCache<'a> {
-    /// [`Driven::rung`] of a contact of this drive.
-    pub fn rung(&mut self, (number, driven): (u32, &'a Driven), contact: &Contact, gap: f64) -> Rung {
+impl<'a> OctaveCache<'a> {
+    /// [`Driven::octave`] of a contact of this drive.
+    pub fn octave(&mut self, (number, driven): (u32, &'a Driven), contact: &Contact, gap: f64) -> RateOctave {
         if self.0.as_ref().is_none_or(|(last, _)| *last != number) {
             self.0 = None;
         }
-        self.0.get_or_insert_with(|| (number, Tip::of(driven))).1.rung(contact, gap)
+        self.0.get_or_insert_with(|| (number, DriveCompliance::of(driven))).1.octave(contact, gap)
     }
 }
 
 impl Driven {
-    /// The rung of an instance's contact.
-    pub(super) fn rung(&self, contact: &Contact, gap: f64) -> Rung {
-        self.rung_of(contact, self.contact_rate(contact, gap))
+    /// The octave of an instance's contact.
+    pub(super) fn octave(&self, contact: &Contact, gap: f64) -> RateOctave {
+        self.octave_of(contact, self.contact_rate(contact, gap))
     }
 
-    /// The rung of a contact of this rate, rad/s.
-    fn rung_of(&self, contact: &Contact, rate: f64) -> Rung {
+    /// The octave of a contact of this rate, rad/s.
+    fn octave_of(&self, contact: &Contact, rate: f64) -> RateOctave {
         let power = (rate / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32;
-        Rung { power, elastic: contact.retardation == 0.0, jumps: contact.law.has_hysteresis() }
+        RateOctave { power, elastic: contact.retardation == 0.0, jumps: contact.law.has_hysteresis() }
     }
 
     /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about four
@@ -141,42 +141,42 @@ impl Driven {
         contact_rate(contact, (self.free.omega, self.free_amplitude(), gap), answer)
     }
 
-    /// The contact rate of a rung, rad/s.
-    fn rate(&self, rung: Rung) -> f64 {
-        self.free.omega * f64::from(rung.power).exp2()
+    /// The contact rate of an octave, rad/s.
+    fn rate(&self, octave: RateOctave) -> f64 {
+        self.free.omega * f64::from(octave.power).exp2()
     }
 
-    /// The basis for contacts of a rung, if the modes with the largest shares do not suffice, up to as many as `shares` makes
-    /// for [`RICHEST_ACCURACY_SHARE`] of the accuracy.
-    pub(super) fn for_rung(
+    /// The basis for contacts of an octave. None if the modes with the largest shares suffice, be they as many as `shares` makes for
+    /// [`RICHEST_ACCURACY_SHARE`] of the accuracy.
+    pub(super) fn for_octave(
         &self,
-        rung: Rung,
+        octave: RateOctave,
         accuracy: f64,
         shares: impl FnOnce((f64, bool)) -> ReducedBasis,
     ) -> Option<Arc<ReducedBasis>> {
-        let (instrument, rate) = (&self.instrument, self.rate(rung));
+        let (instrument, rate) = (&self.instrument, self.rate(octave));
         let richest = (RICHEST_ACCURACY_SHARE * accuracy, true);
-        let jumps = rung.jumps && accuracy < JUMPS_BELOW;
+        let jumps = octave.jumps && accuracy < JUMPS_BELOW;
         let accuracy = if jumps { JUMP_ACCURACY_SHARE * accuracy } else { accuracy };
         let serves = |kept: &ReducedBasis| kept.serves(instrument, self.free.omega, rate, accuracy);
-        if rung.power == 0 || serves(&self.kept) || serves(&shares(richest)) {
+        if octave.power == 0 || serves(&self.kept) || serves(&shares(richest)) {
             return None;
         }
         let count = ReducedBasis::oscillators(instrument, self.free.omega, rate, accuracy);
-        self.for_contacts(rung, |kept| kept.modes.len() >= count)
+        self.for_contacts(octave, |kept| kept.modes.len() >= count)
     }
 
-    /// The smallest basis for contacts of the rung that is `good`, or else the largest one; `None` if a mode answers against
+    /// The smallest basis for contacts of the octave that is `good`, or else the largest one; `None` if a mode answers against
     /// the force.
     pub(super) fn for_contacts(
         &self,
-        rung: Rung,
+        octave: RateOctave,
         good: impl Fn(&ReducedBasis) -> bool,
     ) -> Option<Arc<ReducedBasis>> {
         let mut richest = None;
-        // The first number is only compared with the next.
+        // The smallest count is no contact's own basis: it is the poorer one of the next.
         for count in OSCILLATOR_COUNTS.into_iter().skip(1) {
-            let wanted = (self.rate(rung), count, rung.elastic);
+            let wanted = (self.rate(octave), count, octave.elastic);
             let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, wanted);
             let enough = kept.as_ref().is_some_and(&good);
             richest = kept.or(richest);

@@ -1,7 +1,7 @@
 //! Plans derived from others of the same ensemble: some instances, other steps, other bases.
 
-use super::contact_rate::Rung;
-use super::rebasing::{fewest_steps, notch, reduced_by, richer_than, with_unmet};
+use super::contact_rate::RateOctave;
+use super::rebasing::{fewest_steps, next_richer, reduced_by, richer_than, with_waiting};
 use super::resolution::{Ids, InstanceResolution, InstanceResolutions};
 use super::{BasisRule, Driven, InstanceId, Plan, Precision, ReducedBasis, StartState, steps};
 use crate::observe::wants;
@@ -114,35 +114,40 @@ impl Plan {
 
     /// These instances: first those for which a larger basis exists, then the others.
     pub fn can_be_richer(&self, instances: Vec<u32>) -> (Vec<u32>, Vec<u32>) {
-        let mut known: HashMap<(u32, Rung), bool> = HashMap::new();
+        let mut known: HashMap<(u32, RateOctave), bool> = HashMap::new();
         instances.into_iter().partition(|i| {
             let (case, driven) = (self.case(*i), self.driven(*i));
-            let rung = driven.rung(&case.contact, case.gap);
-            *known.entry((case.drive, rung)).or_insert_with(|| notch(driven, rung, &self.run).is_some())
+            let octave = driven.octave(&case.contact, case.gap);
+            *known
+                .entry((case.drive, octave))
+                .or_insert_with(|| next_richer(driven, octave, &self.run).is_some())
         })
     }
 
     /// Uses the next larger basis of each instance, and at least half the steps that this basis safely needs.
     #[must_use]
     pub fn with_richer_bases(self) -> Self {
-        self.with_larger(notch)
+        self.with_richer(next_richer)
     }
 
     /// Adds the modes that a harmonic of the drive meets to the bases that lack them, likewise.
     #[must_use]
-    pub fn with_unmet_modes(self) -> Self {
-        self.with_larger(|driven, _, run| with_unmet(driven, run))
+    pub fn with_waiting_modes(self) -> Self {
+        self.with_richer(|driven, _, run| with_waiting(driven, run))
     }
 
     /// Uses the `larger` basis of each instance, if there is one.
-    fn with_larger(mut self, larger: impl Fn(&Driven, Rung, &Run) -> Option<Arc<ReducedBasis>>) -> Self {
-        let mut made: HashMap<(u32, Rung), u32> = HashMap::new();
+    fn with_richer(
+        mut self,
+        larger: impl Fn(&Driven, RateOctave, &Run) -> Option<Arc<ReducedBasis>>,
+    ) -> Self {
+        let mut made: HashMap<(u32, RateOctave), u32> = HashMap::new();
         for i in self.instances() {
             let case = self.case(i);
             let driven = self.driven(i).clone();
-            let rung = driven.rung(&case.contact, case.gap);
-            let drive = *made.entry((case.drive, rung)).or_insert_with(|| {
-                let Some(kept) = larger(&driven, rung, &self.run) else { return case.drive };
+            let octave = driven.octave(&case.contact, case.gap);
+            let drive = *made.entry((case.drive, octave)).or_insert_with(|| {
+                let Some(kept) = larger(&driven, octave, &self.run) else { return case.drive };
                 self.drives.push(Driven { kept, ..driven });
                 self.drives.len() as u32 - 1
             });
@@ -163,8 +168,8 @@ impl Plan {
     /// The rule of the smallest basis for an instance's contacts with more oscillators than its own; `None` if there is none.
     pub fn contact_basis_rule(&self, instance: u32) -> Option<BasisRule> {
         let (case, driven) = (self.case(instance), self.driven(instance));
-        let rung = driven.rung(&case.contact, case.gap);
-        Some(richer_than(driven, rung, driven.kept.modes.len())?.rule)
+        let octave = driven.octave(&case.contact, case.gap);
+        Some(richer_than(driven, octave, driven.kept.modes.len())?.rule)
     }
 
     /// Uses these gaps, one for each instance (m).

@@ -1,8 +1,16 @@
 //! Errors of planning, at their places in the scene.
 
-use super::PlanError;
 use crate::instrument::InstrumentError;
 use crate::scene::{Scene, SceneError};
+use thiserror::Error;
+
+/// Why a scene cannot be planned.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// `values` names the swept values of the instance, empty without a sweep.
+    #[error("instance {instance}{values}: {source}")]
+    Instrument { instance: usize, values: String, source: InstrumentError },
+}
 
 impl PlanError {
     /// The error at its place in the scene, with what was expected and what to do.

@@ -1,7 +1,7 @@
 //! A plan's instances with other bases.
 
 use super::assignment::shares;
-use super::contact_rate::Rung;
+use super::contact_rate::RateOctave;
 use super::{BasisRule, Case, Driven, Plan, ReducedBasis, steps};
 use crate::scene::Run;
 use std::collections::HashMap;
@@ -29,7 +29,7 @@ impl Plan {
     /// Gives every instance the resonant modes that wait: a run that nothing refines does not ask for them later.
     #[must_use]
     pub fn resonant(self) -> Self {
-        let waiting = |i: &u32| !self.driven(*i).kept.unmet.is_empty();
+        let waiting = |i: &u32| !self.driven(*i).kept.waiting.is_empty();
         let with = |i| match self.basis_rule(i) {
             BasisRule::Shares { accuracy } => Some((i, BasisRule::Resonant { accuracy })),
             _ => None,
@@ -116,11 +116,11 @@ impl Bases {
 }
 
 /// Larger bases are looked for at accuracies finer by this factor, one after the other.
-const NOTCH_ACCURACY_RATIO: f64 = 0.25;
-const MAX_NOTCHES: usize = 8;
+const RICHER_ACCURACY_RATIO: f64 = 0.25;
+const MAX_RICHER_TRIES: usize = 8;
 
-/// The next larger basis for contacts of this rung; `None` if no larger one can be stepped, or the basis is prescribed.
-pub(super) fn notch(driven: &Driven, rung: Rung, run: &Run) -> Option<Arc<ReducedBasis>> {
+/// The next larger basis for contacts of this octave; `None` if no larger one can be stepped, or the basis is prescribed.
+pub(super) fn next_richer(driven: &Driven, octave: RateOctave, run: &Run) -> Option<Arc<ReducedBasis>> {
     if run.modes.is_some() {
         return None;
     }
@@ -130,27 +130,27 @@ pub(super) fn notch(driven: &Driven, rung: Rung, run: &Run) -> Option<Arc<Reduce
             (richer.modes != driven.kept.modes).then_some(richer)
         }
         rule => {
-            let finer = |n| rule.with_accuracy(|accuracy| accuracy * NOTCH_ACCURACY_RATIO.powi(n));
-            let mut bases = (1..=MAX_NOTCHES as i32).map(|n| reduced_by(driven, finer(n), run));
+            let finer = |n| rule.with_accuracy(|accuracy| accuracy * RICHER_ACCURACY_RATIO.powi(n));
+            let mut bases = (1..=MAX_RICHER_TRIES as i32).map(|n| reduced_by(driven, finer(n), run));
             let found = bases.find(|basis| basis.modes != driven.kept.modes);
-            found.or_else(|| richer_than(driven, rung, driven.kept.modes.len()))
+            found.or_else(|| richer_than(driven, octave, driven.kept.modes.len()))
         }
     }
 }
 
 /// An instance's basis with the modes that a harmonic of the drive meets; `None` if it has them.
-pub(super) fn with_unmet(driven: &Driven, run: &Run) -> Option<Arc<ReducedBasis>> {
+pub(super) fn with_waiting(driven: &Driven, run: &Run) -> Option<Arc<ReducedBasis>> {
     match driven.kept.rule {
-        BasisRule::Shares { accuracy } if !driven.kept.unmet.is_empty() => {
+        BasisRule::Shares { accuracy } if !driven.kept.waiting.is_empty() => {
             Some(reduced_by(driven, BasisRule::Resonant { accuracy }, run))
         }
         _ => None,
     }
 }
 
-/// The smallest basis for contacts of this rung with more than `modes` oscillators.
-pub(super) fn richer_than(driven: &Driven, rung: Rung, modes: usize) -> Option<Arc<ReducedBasis>> {
-    driven.for_contacts(rung, |kept| kept.modes.len() > modes).filter(|kept| kept.modes.len() > modes)
+/// The smallest basis for contacts of this octave with more than `modes` oscillators.
+pub(super) fn richer_than(driven: &Driven, octave: RateOctave, modes: usize) -> Option<Arc<ReducedBasis>> {
+    driven.for_contacts(octave, |kept| kept.modes.len() > modes).filter(|kept| kept.modes.len() > modes)
 }
 
 /// The basis that a rule asks for.

@@ -7,12 +7,13 @@
 use crate::instrument::Mode;
 use nalgebra::Complex;
 
-/// A hard contact needs a mode if its loss under a harmonic of the tip force, as a share of the tip's flexibility and times the quality
-/// factor of the driven mode, exceeds this many accuracies. `tests/hard/rod_met.toml`, asked for 1e-3, has modes of 0.84 and
-/// 0.25: without both its phase is off by 2.5e-3, without the second by 6e-4.
+/// A hard contact needs a mode if its loss under a harmonic of the tip force, as a share of the tip's flexibility and times the
+/// quality factor of the driven mode, exceeds this many accuracies: 0.1 at an accuracy of 1e-3. `tests/hard/rod_met.toml`, asked
+/// for that, has modes with losses of 0.84 and 0.25: without both its phase is off by 2.5e-3, without the second by 6e-4.
 const MIN_LOSS_RATIO: f64 = 100.0;
 
-/// A contact lasts a tenth of a period or more: beyond this harmonic its force falls by the square of the harmonic's number.
+/// Most contacts last a tenth of a period or more: beyond this harmonic their force falls by the square of the harmonic's
+/// number. A shorter one may lose more by such a mode than is told here.
 const SMOOTH_HARMONIC: f64 = 10.0;
 
 /// A harmonic meets a mode head-on if the mode's out-of-phase response is this many times its static one. Few of many
@@ -48,7 +49,7 @@ impl Resonance {
         self.flexibility * self.response
     }
 
-    /// Bound of the mode's loss under any expected contact: its compliance out of phase, m/N.
+    /// The mode's loss under a contact that lasts a tenth of a period: its compliance out of phase, m/N.
     fn lossy_compliance(&self) -> f64 {
         -self.compliance().im * (SMOOTH_HARMONIC / self.harmonic).min(1.0).powi(4)
     }

@@ -52,7 +52,7 @@ pub fn steps(
         _ => 1.0,
     };
     let limit = STIFFNESS_FACTOR * (accuracy / 1e-3).sqrt().clamp(0.05, 2.0);
-    let mut steps = rung(base.max(needed_by_modes(kept, omega)));
+    let mut steps = round_up(base.max(needed_by_modes(kept, omega)));
     loop {
         let inverse_mass = kept.stepped_inverse_mass(period / f64::from(steps));
         let depth = deepest(contact, inverse_mass, omega, amplitude, gap);
@@ -61,7 +61,7 @@ pub fn steps(
         if stiff.max(pull) <= f64::from(steps) || steps >= STEPS_MAX {
             return steps;
         }
-        steps = rung(f64::from(steps + 1));
+        steps = round_up(f64::from(steps + 1));
     }
 }
 
@@ -78,11 +78,11 @@ pub(super) fn needed_by_modes(kept: &ReducedBasis, omega: f64) -> f64 {
 
 /// Fewest steps per period that can step the kept modes.
 pub fn fewest(driven: &Driven) -> u32 {
-    rung(needed_by_modes(&driven.kept, driven.free.omega))
+    round_up(needed_by_modes(&driven.kept, driven.free.omega))
 }
 
 /// Smallest of 64, 96, 128, 192, 256, ... that is not below `steps`: few classes, small excess.
-fn rung(steps: f64) -> u32 {
+fn round_up(steps: f64) -> u32 {
     let mut power = STEPS_MIN;
     while power < STEPS_MAX {
         for candidate in [power, power + power / 2] {
@@ -109,12 +109,12 @@ pub fn deepest(contact: &Contact, inverse_mass: f64, omega: f64, amplitude: f64,
 
 #[cfg(test)]
 mod tests {
-    use super::rung;
+    use super::round_up;
 
     #[test]
-    fn rungs_are_not_below_what_was_asked() {
+    fn ladder_steps_are_not_below_what_was_asked() {
         for asked in [1.0, 64.0, 65.0, 97.0, 128.1, 1000.0, 65_535.0, 1e9] {
-            let got = rung(asked);
+            let got = round_up(asked);
             assert!(f64::from(got) >= asked.min(65_536.0));
             assert!(f64::from(got) <= (1.5 * asked).max(64.0));
         }

@@ -1,4 +1,4 @@
-//! A whole run as `afmsweep run` does it: from a scene to its results, in memory.
+//! A whole run as `afmsweep run` does it: from a scene to its results, in memory or in a journal.
 //!
 //! ```
 //! use afmsweep_core::sweep::Sweep;
@@ -294,19 +294,11 @@ impl Sweep {
         self.watched(observer, || self.begun(observer)?.recipe())
     }
 
-    /// Runs with a journal, which provides earlier results and stores new ones. All results are then loaded into memory.
+    /// Runs with a journal, which provides earlier results and stores new ones. Memory holds a few bytes for each instance; the
+    /// journal has the rest.
     ///
     /// # Errors
     /// Those of [`Sweep::run`]; the journal has other choices; its disk fails.
-    #[cfg(feature = "hdf5")]
-    pub fn run_kept(&self, keeper: &RunJournal, observer: &dyn Observer) -> Result<SweepOutcome, Error> {
-        self.run_into(keeper, observer)?.gathered()
-    }
-
-    /// Runs like [`Sweep::run_kept`], but memory holds only a few bytes for each instance; the journal has the rest.
-    ///
-    /// # Errors
-    /// Those of [`Sweep::run_kept`].
     #[cfg(feature = "hdf5")]
     pub fn run_into<'k>(
         &self,
@@ -321,7 +313,7 @@ impl Sweep {
     /// Runs one share into its journal. True if the share is complete.
     ///
     /// # Errors
-    /// Those of [`Sweep::run_kept`].
+    /// Those of [`Sweep::run_into`].
     #[cfg(feature = "hdf5")]
     pub fn run_share(&self, keeper: &RunJournal, observer: &dyn Observer) -> Result<bool, Error> {
         self.watched(observer, || {
@@ -330,19 +322,10 @@ impl Sweep {
         })
     }
 
-    /// Results of what a journal holds, without running anything.
+    /// Results of what a journal holds, without running anything. Memory holds a few bytes for each instance.
     ///
     /// # Errors
-    /// Those of [`Sweep::run_kept`].
-    #[cfg(feature = "hdf5")]
-    pub fn looked_into(&self, keeper: &RunJournal) -> Result<SweepOutcome, Error> {
-        self.look_into(keeper)?.gathered()
-    }
-
-    /// Works like [`Sweep::looked_into`], but memory holds only a few bytes for each instance.
-    ///
-    /// # Errors
-    /// Those of [`Sweep::run_kept`].
+    /// Those of [`Sweep::run_into`].
     #[cfg(feature = "hdf5")]
     pub fn look_into<'k>(&self, keeper: &'k RunJournal) -> Result<JournaledOutcome<'k>, Error> {
         self.execute(&Silent, keeper, &|run| {

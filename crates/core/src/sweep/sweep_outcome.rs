@@ -137,7 +137,7 @@ pub(super) fn collect<'k>(
     };
     let warned = record::warned(scene, &run)?;
     let mut frame = record::frame(scene, (&run.plan, &warned), &facts);
-    frame.estimated(control::basis(&run.plan, estimated, exact));
+    frame.estimated(control::estimate_comment(&run.plan, estimated, exact));
     let request = scene.output.waveforms.as_ref();
     frame.results.waveforms = missing.phase((SweepPhase::Waveforms, request.is_some()), progress, || {
         // After a stop they would start from scratch.
