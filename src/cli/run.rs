@@ -254,7 +254,7 @@ pub fn main(args: &RunArgs, voice: Verbosity) -> anyhow::Result<()> {
         }
         return Err(Stopped::with(&swept.missing, &swept.run, &partial).into());
     }
-    run_messages::end(sweep.scene(), &swept, args.no_audit || args.engine.reference(), voice)?;
+    run_messages::end(sweep.scene(), (&swept, &counted), args.no_audit || args.engine.reference(), voice)?;
     let mut object = args.json.then(|| run_json::object(&swept, &output)).transpose()?;
     let (verdict, planning, stepping, rate) = (swept.verdict, swept.planning, swept.stepping, swept.rate);
     let (writing, stays) =

@@ -1,6 +1,6 @@
 //! The search for fixed points on maps whose fixed points and multipliers are known in closed form.
 
-use afmsweep::periodic::{Failure, FixedPoint, NewtonOptions, PtcNewton, PtcOutcome};
+use afmsweep::periodic::{FixedPoint, NewtonOptions, PtcNewton, PtcOutcome, SearchFailure};
 use nalgebra::{DMatrix, DVector, Dyn};
 
 const OPTIONS: NewtonOptions = NewtonOptions {
@@ -103,7 +103,7 @@ fn a_map_that_tells_its_slope_is_asked_for_no_differences() {
 #[test]
 fn a_fixed_point_that_repels_is_called_unstable() {
     let (verdict, _) = search(&[0.6, 0.2], OPTIONS, henon(0.5, 0.3));
-    assert!(matches!(verdict, PtcOutcome::Failed(Failure::Unstable)), "{verdict:?}");
+    assert!(matches!(verdict, PtcOutcome::Failed(SearchFailure::Unstable)), "{verdict:?}");
 }
 
 /// Of a linear map the number of evaluations does not depend on how slowly it settles.
@@ -130,10 +130,10 @@ fn a_slow_linear_map_costs_no_more_than_a_fast_one() {
 fn what_has_no_fixed_point_or_no_answer_ends_in_words() {
     // A shift.
     let (verdict, spent) = search(&[0.0], OPTIONS, |s| Some(s.add_scalar(0.01)));
-    assert!(matches!(verdict, PtcOutcome::Failed(Failure::Stuck)), "{verdict:?}");
+    assert!(matches!(verdict, PtcOutcome::Failed(SearchFailure::OutOfEvaluations)), "{verdict:?}");
     assert!(spent <= OPTIONS.max_evaluations + 2);
     let (verdict, _) = search(&[0.0], OPTIONS, |_| None);
-    assert!(matches!(verdict, PtcOutcome::Failed(Failure::Undefined)), "{verdict:?}");
+    assert!(matches!(verdict, PtcOutcome::Failed(SearchFailure::Undefined)), "{verdict:?}");
     // Numbers that are none.
     let (verdict, _) = search(&[0.1], OPTIONS, |s| Some(s * f64::NAN));
     assert!(matches!(verdict, PtcOutcome::Failed(_)), "{verdict:?}");

@@ -34,11 +34,11 @@ constants! {
     FARTHEST = 0.1;
     /// Beyond so many periods a stride of a search stands for infinitely many: it is Newton's step.
     NEWTON = 1e5;
-    /// By so much a stride's periods grow where the map's change has not; where it falls they grow by as much more as it does ...
+    /// Factor on the pseudo-time of the next step where the residual stays the same; where it falls, times as much as it falls ...
     LONGER = 2.0;
-    /// ... but by no more than this.
+    /// ... but this at most.
     LONGEST = 10.0;
-    /// A step of Newton's leads nearer where the change has fallen by this factor at least.
+    /// Newton's step is accepted if it reduces the residual by this factor at least.
     GAINS = 1.05;
     /// Keeps 0/0 out: outside, at JKR's fold, in times of touch and of letting go; far below any root of an indentation.
     LEAST = 1e-30;

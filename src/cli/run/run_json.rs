@@ -1,7 +1,9 @@
 //! `run --json`: what became of a run, for programs. docs/commands.md tells the keys.
 
+use super::run_messages;
 use afmsweep::Status;
 use afmsweep::engine::{ProfileSection, Progress};
+use afmsweep::periodic::SearchFailure;
 use afmsweep::sweep::JournaledOutcome;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -29,7 +31,7 @@ pub(super) fn object(swept: &JournaledOutcome, output: &Path) -> anyhow::Result<
         "accuracy_verdict": swept.verdict.words(),
         "estimate": estimate(swept)?,
         "audit": audit(swept),
-        "search": search(swept),
+        "search": search(swept)?,
         "warnings": swept.warnings,
         "notes": run.notes,
         "precision": run.precision(),
@@ -42,7 +44,7 @@ pub(super) fn object(swept: &JournaledOutcome, output: &Path) -> anyhow::Result<
     }))
 }
 
-/// Where the time went: by the clock, and by processor of all threads together.
+/// Where the time went: by the clock, and by processor of all threads together; and why searches gave up.
 pub(super) fn times(object: &mut Value, (planning, writing): (f64, f64), progress: &Progress) {
     let busy: Map<String, Value> =
         ProfileSection::ALL.iter().map(|of| (of.name().to_owned(), progress.seconds(*of).into())).collect();
@@ -50,6 +52,13 @@ pub(super) fn times(object: &mut Value, (planning, writing): (f64, f64), progres
     object["writing_time_s"] = writing.into();
     object["processor_time_s"] = processor_time().into();
     object["busy_time_s"] = busy.into();
+    let failures: Map<String, Value> = SearchFailure::ALL
+        .iter()
+        .map(|why| (why.name().replace(' ', "_"), progress.failures(*why).into()))
+        .collect();
+    if object["search"].is_object() {
+        object["search"]["gave_up"] = failures.into();
+    }
 }
 
 /// What the process has taken of its processors so far, s; none where the system does not tell it (Linux does).
@@ -88,10 +97,10 @@ fn audit(swept: &JournaledOutcome) -> Value {
 }
 
 /// How many periodic states were found; null where none was searched for.
-fn search(swept: &JournaledOutcome) -> Value {
+fn search(swept: &JournaledOutcome) -> anyhow::Result<Value> {
     if !swept.run.searched {
-        return Value::Null;
+        return Ok(Value::Null);
     }
-    let found = swept.run.marks().iter().filter(|mark| mark.found()).count();
-    json!({ "found": found, "second_states": swept.others.as_ref().map(|others| others.orbits.len()) })
+    let found = run_messages::periods_of_found(&swept.run)?.len();
+    Ok(json!({ "found": found, "second_states": swept.others.as_ref().map(|others| others.orbits.len()) }))
 }

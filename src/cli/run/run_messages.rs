@@ -5,6 +5,7 @@ use crate::cli::progress_bar::ProgressDisplay;
 use crate::cli::{Verbosity, audit_message, instances, values};
 use afmsweep::control::JournaledRun;
 use afmsweep::engine::{Engine, Progress};
+use afmsweep::periodic::SearchFailure;
 use afmsweep::plan::Plan;
 use afmsweep::scene::Steady;
 use afmsweep::store::{StateSet, VariableSource};
@@ -68,7 +69,7 @@ impl Observer for Messages<'_> {
 /// What is kept of the run cannot be read.
 pub(super) fn end(
     scene: &Scene,
-    swept: &JournaledOutcome,
+    (swept, progress): (&JournaledOutcome, &Progress),
     unaudited: bool,
     voice: Verbosity,
 ) -> anyhow::Result<()> {
@@ -77,6 +78,7 @@ pub(super) fn end(
     }
     if swept.run.plan.run.steady == Steady::Search {
         searched(swept, voice)?;
+        gave_up(progress, voice);
     }
     close(swept, voice);
     if swept.stepping > LONG {
@@ -115,17 +117,38 @@ fn hardest(scene: &Scene, run: &JournaledRun, voice: Verbosity) -> anyhow::Resul
     Ok(())
 }
 
+/// Why searches gave up, if some did.
+fn gave_up(progress: &Progress, voice: Verbosity) {
+    let told = |why: &SearchFailure| match progress.failures(*why) {
+        0 => None,
+        count => Some(format!("{count} {}", why.name())),
+    };
+    let told: Vec<String> = SearchFailure::ALL.iter().filter_map(told).collect();
+    if !told.is_empty() {
+        voice.say(format_args!(
+            "searches that gave up, several for some instances: {} (docs/orbits.md)",
+            told.join(", ")
+        ));
+    }
+}
+
+/// Periods of each instance whose state a search found, not integration after it.
+pub(super) fn periods_of_found(run: &JournaledRun) -> anyhow::Result<Vec<u32>> {
+    let mut all = Vec::new();
+    run.each(&mut |piece| {
+        let found = piece.multipliers().into_iter().enumerate().filter(|(_, one)| !one.is_nan());
+        all.extend(found.map(|(n, _)| piece.periods(n)));
+        ControlFlow::Continue(())
+    })?;
+    Ok(all)
+}
+
 /// What a search found.
 fn searched(swept: &JournaledOutcome, voice: Verbosity) -> anyhow::Result<()> {
     let JournaledOutcome { run, others, .. } = swept;
     let stepped = run.marks().iter().filter(|mark| mark.stepped()).count();
     let without = run.count(Status::NoSetpoint);
-    let mut spent: Vec<u32> = Vec::new();
-    run.each(&mut |piece| {
-        let found = piece.instances.iter().enumerate().filter(|(_, i)| run.marks()[**i as usize].found());
-        spent.extend(found.map(|(n, _)| piece.periods(n)));
-        ControlFlow::Continue(())
-    })?;
+    let mut spent = periods_of_found(run)?;
     spent.sort_unstable();
     let middle = spent
         .get(spent.len() / 2)

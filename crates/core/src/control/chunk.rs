@@ -119,7 +119,6 @@ impl Chunk {
                 stepped: plan.resolution_of(n as u32).steps > 0,
                 measured: results[n].measured.is_any(),
                 estimate: run.estimates[n],
-                found: run.found.get(n).is_some_and(Option::is_some),
                 precision: run.arithmetic.of[n],
             };
             InstanceFlags::of(seen, plan.run.accuracy)

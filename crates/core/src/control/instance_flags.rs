@@ -15,8 +15,6 @@ pub(super) struct InstanceFacts {
     /// Whether it has any measurement.
     pub measured: bool,
     pub estimate: f64,
-    /// Whether its periodic state was found.
-    pub found: bool,
     /// The arithmetic of its last run.
     pub precision: Precision,
 }
@@ -25,8 +23,7 @@ const STATUS: u8 = 7;
 const STEPPED: u8 = 1 << 3;
 const MEASURED: u8 = 1 << 4;
 const ESTIMATED: u8 = 1 << 5;
-const FOUND: u8 = 1 << 6;
-const DOUBLE: u8 = 1 << 7;
+const DOUBLE: u8 = 1 << 6;
 
 // All statuses fit.
 const _: () = assert!(Status::ALL.len() <= STATUS as usize + 1);
@@ -39,13 +36,12 @@ impl InstanceFlags {
 
     /// Flags of a finished instance. Ok becomes accuracy_not_met if the estimate is above the requested accuracy.
     pub(super) fn of(seen: InstanceFacts, accuracy: f64) -> Self {
-        let InstanceFacts { status, stepped, measured, estimate, found, precision } = seen;
+        let InstanceFacts { status, stepped, measured, estimate, precision } = seen;
         let mark = Self(
             status as u8
                 | flag(STEPPED, stepped)
                 | flag(MEASURED, measured)
                 | flag(ESTIMATED, !estimate.is_nan())
-                | flag(FOUND, found)
                 | flag(DOUBLE, precision == Precision::F64),
         );
         match status {
@@ -81,11 +77,6 @@ impl InstanceFlags {
     /// Whether its error was estimated.
     pub fn estimated(self) -> bool {
         self.has(ESTIMATED)
-    }
-
-    /// Whether a search, or time integration after it, found its periodic state.
-    pub fn found(self) -> bool {
-        self.has(FOUND)
     }
 
     /// The arithmetic of its last run.

@@ -37,7 +37,7 @@ pub(super) fn estimated(
     let mut refining = SecondRefinement {
         known: numbers.iter().map(|i| ErrorParts::of_modes(run.truncation[*i as usize])).collect(),
         others: others.collect(),
-        places: all.into_iter().map(|second| *second.orbit).collect(),
+        orbits: all.into_iter().map(|second| *second.orbit).collect(),
         open: vec![false; numbers.len()],
         plan,
     };
@@ -64,7 +64,7 @@ pub(super) fn estimated(
 struct SecondRefinement {
     plan: Plan,
     others: Vec<SecondOrbit>,
-    places: Vec<PeriodicState>,
+    orbits: Vec<PeriodicState>,
     known: Vec<ErrorParts>,
     /// Whether some of its work was skipped.
     open: Vec<bool>,
@@ -96,8 +96,7 @@ impl SecondRefinement {
             self.known[n].of_modes = truncation_error(&rich, there, apart, &measured);
             if self.known[n].error() > self.aim() {
                 self.known[n].after_richer_basis((&rich, there), apart, &measured);
-                self.put(n, finished, *place);
-                self.plan.take_resolution(n as u32, &rich, there, &mut taken);
+                self.put(n, (finished, *place), (&rich, there), &mut taken);
             }
         }
         for _ in 0..self.plan.policy.doublings {
@@ -116,8 +115,7 @@ impl SecondRefinement {
             for (there, (n, found)) in (0..).zip(self.again(&finer, &rough, pieces)?) {
                 let Some((apart, finished, place)) = found else { continue };
                 self.known[n].after_more_steps((&finer, there), apart, &finished.measured);
-                self.put(n, finished, *place);
-                self.plan.take_resolution(n as u32, &finer, there, &mut taken);
+                self.put(n, (finished, *place), (&finer, there), &mut taken);
             }
         }
         Ok(())
@@ -139,17 +137,23 @@ impl SecondRefinement {
                 continue;
             };
             self.known[n].after_waiting_modes((&with, there), apart, &finished.measured);
-            self.put(n, finished, *place);
-            self.plan.take_resolution(n as u32, &with, there, &mut taken);
+            self.put(n, (finished, *place), (&with, there), &mut taken);
         }
         Ok(())
     }
 
-    /// Takes the state that another plan gives.
-    fn put(&mut self, n: usize, finished: Finished, place: PeriodicState) {
+    /// Takes the state that another plan gives, with its steps and basis.
+    fn put(
+        &mut self,
+        n: usize,
+        (finished, orbit): (Finished, PeriodicState),
+        (plan, there): (&Plan, u32),
+        taken: &mut HashMap<u32, u32>,
+    ) {
         let other = &mut self.others[n];
-        (other.finished, other.multiplier, other.steps) = (finished, place.floquet.multiplier, place.steps);
-        self.places[n] = place;
+        (other.finished, other.multiplier, other.steps) = (finished, orbit.floquet.multiplier, orbit.steps);
+        self.orbits[n] = orbit;
+        self.plan.take_resolution(n as u32, plan, there, taken);
     }
 
     fn aim(&self) -> f64 {
@@ -164,13 +168,13 @@ impl SecondRefinement {
         instances: &[u32],
         pieces: &CheckpointedSearch,
     ) -> Result<Vec<RefinedOrbit>, EngineError> {
-        let place = |(there, n): (usize, &u32)| {
-            orbit::transfer_orbit((&self.plan, *n, &self.places[*n as usize]), plan, there as u32)
+        let section = |(there, n): (usize, &u32)| {
+            orbit::transfer_orbit((&self.plan, *n, &self.orbits[*n as usize]), plan, there as u32)
         };
-        let places: Vec<SectionState> = instances.iter().enumerate().map(place).collect();
+        let sections: Vec<SectionState> = instances.iter().enumerate().map(section).collect();
         let mut all = Vec::with_capacity(instances.len());
         for (there, (n, found)) in
-            instances.iter().zip(pieces.solve_from_sections(plan, &places)?).enumerate()
+            instances.iter().zip(pieces.solve_from_sections(plan, &sections)?).enumerate()
         {
             let n = *n as usize;
             let Some((finished, place)) = found else {

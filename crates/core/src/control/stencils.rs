@@ -52,8 +52,8 @@ impl<'a> Stencils<'a> {
     pub fn on_failure(&self) -> [OnFailure; 2] {
         match self.support {
             Support::Coarse => [OnFailure::RetryLater; 2],
-            Support::Lines { .. } | Support::Neighbours(_) => [OnFailure::Skip; 2],
-            Support::Integrate => [OnFailure::Skip, OnFailure::Integrate],
+            Support::Lines { .. } | Support::Neighbours(_) => [OnFailure::LeaveUnsolved; 2],
+            Support::Integrate => [OnFailure::LeaveUnsolved, OnFailure::SettleThenIntegrate],
         }
     }
 
@@ -73,7 +73,7 @@ impl<'a> Stencils<'a> {
             Support::Neighbours(beside) => {
                 StencilStart::each(self.solved_points(&beside[*i as usize]).map(|[first, _]| first))
             }
-            Support::Integrate => StencilStart::Skip,
+            Support::Integrate => StencilStart::Postponed,
         };
         instances.iter().map(of).collect()
     }
@@ -84,7 +84,7 @@ impl<'a> Stencils<'a> {
             stencil_point(weighted, second, Some(first))
         };
         let of = |(i, own): (usize, &Option<&'a PeriodicState>)| match (&self.support, *own) {
-            (_, None) => StencilStart::Skip,
+            (_, None) => StencilStart::Postponed,
             (Support::Lines { lines, scattered }, own) => self.start(&lines[i], own, *scattered, hint),
             // The search starts at its own state.
             (Support::Coarse | Support::Neighbours(_) | Support::Integrate, Some(_)) => StencilStart::None,
@@ -102,7 +102,7 @@ impl<'a> Stencils<'a> {
     ) -> StencilStart<'a> {
         match self.line(stencil, hint) {
             Some(neighbours) => Stencil { neighbours, own_state: own, scattered }.into(),
-            None if self.all_failed(stencil) => StencilStart::Skip,
+            None if self.all_failed(stencil) => StencilStart::Postponed,
             None => StencilStart::None,
         }
     }

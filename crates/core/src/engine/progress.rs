@@ -2,6 +2,7 @@
 
 use super::ProfileSection;
 use crate::clock::Instant;
+use crate::periodic::SearchFailure;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -29,6 +30,8 @@ struct Counts {
     expected: AtomicU64,
     /// Nanoseconds by kind of work, summed over threads.
     busy: [AtomicU64; ProfileSection::ALL.len()],
+    /// Searches that gave up, by reason.
+    failures: [AtomicU64; SearchFailure::ALL.len()],
     /// Completed pieces of the phase, if it is counted in pieces.
     done: AtomicU64,
     /// Whether a phase is held, and ignores what the work within it reports.
@@ -83,6 +86,16 @@ impl Progress {
     /// Time spent on it by all threads together, s.
     pub fn seconds(&self, of: ProfileSection) -> f64 {
         self.counts.busy[of as usize].load(Ordering::Relaxed) as f64 * 1e-9
+    }
+
+    /// Counts a search that gave up.
+    pub fn gave_up(&self, why: SearchFailure) {
+        self.counts.failures[why as usize].fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// How many searches gave up for this reason.
+    pub fn failures(&self, why: SearchFailure) -> u64 {
+        self.counts.failures[why as usize].load(Ordering::Relaxed)
     }
 
     /// Asks the run to end early; complete results are kept.

@@ -344,7 +344,8 @@ pub(super) fn extrapolated(here: SectionState, there: &SectionState, strides: f6
     station
 }
 
-/// Finds the states to which each instance's motion settles, by search, or by integration where that fails.
+/// Finds the states to which each instance's motion settles, by search. Where that fails, the state is where integration ends,
+/// settled or not: the point's own run tells its status.
 pub(super) fn settled_states(
     plan: &Plan,
     from: &[&PeriodicState],

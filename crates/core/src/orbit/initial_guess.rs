@@ -7,7 +7,7 @@ use crate::plan::{Plan, SectionState};
 /// Periods integrated before each search in turn, and whether a search follows. The first few periods lie past the first
 /// contact and before the beats that follow it, in which no Newton step helps.
 const WARM_UP_PERIODS: [(u32, bool); 3] = [(3, true), (32, true), (128, true)];
-/// The same where the motion is examined before any search.
+/// The same where only the settling motion is searched for.
 const DEFERRED_WARM_UP_PERIODS: [(u32, bool); 1] = [(64, false)];
 
 /// The initial guess of a search.
@@ -17,12 +17,12 @@ pub(super) enum InitialGuess<'a> {
     AtRest,
     /// States of the same instances with other steps or levers; the free oscillation where there is none.
     States(&'a [Option<&'a PeriodicState>]),
-    /// `StatesOnce`: the same guesses, but one search only. `Retry`: the repeated searches, from the states where the first
-    /// one started.
+    /// `StatesOnce`: the same guesses (harmonic balance among them), but after one warm-up only. `Retry`: the other warm-ups,
+    /// from the states where the first one ended.
     StatesOnce(&'a [Option<&'a PeriodicState>]),
     Retry(&'a [SectionState]),
-    /// States with other steps or levers. An instance without one resembles others whose search failed, so it is integrated
-    /// for a while first.
+    /// States with other steps or levers. An instance without one resembles others whose search failed: it is searched for
+    /// from harmonic balance if it rings long, and else integrated for a while without a search.
     StatesOrDefer(&'a [Option<&'a PeriodicState>]),
     /// By instance: section states that integration has reached.
     Integrated(&'a [SectionState]),

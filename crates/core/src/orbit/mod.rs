@@ -82,7 +82,8 @@ impl PeriodicState {
 #[derive(Clone, Debug)]
 pub struct OrbitSolution {
     pub outcome: Outcome,
-    /// By instance; empty if nothing was searched for. Integration yields states only at points of curves.
+    /// By instance; empty if nothing was searched for. Integration yields states only at points of curves and of
+    /// set-points.
     pub found: Vec<Option<Box<PeriodicState>>>,
     /// By instance: periods stepped by searches, confirmation and integration.
     pub periods: Vec<u32>,
@@ -124,7 +125,7 @@ pub fn solve(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
-    solve_or(plan, near, OnFailure::Integrate, engine, progress)
+    solve_or(plan, near, OnFailure::SettleThenIntegrate, engine, progress)
 }
 
 /// Like [`solve`], without integration after searches: instances that no search finds stay as not run.
@@ -137,13 +138,13 @@ pub fn solve_without_integration(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
-    solve_or(plan, near, OnFailure::Skip, engine, progress)
+    solve_or(plan, near, OnFailure::LeaveUnsolved, engine, progress)
 }
 
 fn solve_or(
     plan: &Plan,
     near: &[Option<&PeriodicState>],
-    patience: OnFailure,
+    on_failure: OnFailure,
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
@@ -155,7 +156,7 @@ fn solve_or(
     let told = plan.ensemble.curves.is_some() || plan.has_setpoints();
     let followed = told && near.iter().any(Option::is_some);
     let begin = if followed { InitialGuess::CurveStates(near) } else { InitialGuess::States(near) };
-    search_or_integrate(plan, begin, (&[], patience), engine, progress)
+    search_or_integrate(plan, begin, (&[], on_failure), engine, progress)
 }
 
 /// Like [`solve`], but each search, and the integration after it, starts at the given state, even if its Jacobian is unknown.
@@ -175,18 +176,18 @@ pub fn solve_near_states(
     search_or_integrate(
         plan,
         InitialGuess::CurveStates(states),
-        (&[], OnFailure::Integrate),
+        (&[], OnFailure::SettleThenIntegrate),
         engine,
         progress,
     )
 }
 
 /// Searches from `begin`, then from each neighbour in `leads` alone. Instances not found are integrated to steady state or
-/// stay as not run, as `patience` says.
+/// stay as not run, as `on_failure` says.
 fn search_or_integrate(
     plan: &Plan,
     begin: InitialGuess,
-    (leads, patience): (&[StencilStart], OnFailure),
+    (leads, on_failure): (&[StencilStart], OnFailure),
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
@@ -194,12 +195,12 @@ fn search_or_integrate(
     settled.vote_of_neighbours(plan, leads, (|_| true, 1), engine, progress)?;
     left.retain(|one| settled.found[one.instance as usize].is_none());
     if matches!(begin, InitialGuess::StatesOnce(_)) {
-        if patience == OnFailure::RetryLater {
+        if on_failure == OnFailure::RetryLater {
             settled.retry_later(plan, left, engine, progress)?;
         }
         return Ok(settled);
     }
-    let waits = patience == OnFailure::Integrate;
+    let waits = on_failure == OnFailure::SettleThenIntegrate;
     let left = match begin {
         InitialGuess::States(_) | InitialGuess::StatesOrDefer(_)
             if waits && plan.run.start == Start::Steady =>

@@ -14,17 +14,18 @@ const SAME_STATE_TOL: f64 = 1e-3;
 /// What happens to an instance whose neighbours have not led to its state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnFailure {
-    /// One search; an instance it does not find stays as not run.
-    Skip,
+    /// Searches only: an instance that none finds stays without a state, for a later step of the sweep.
+    LeaveUnsolved,
     /// The same, with repeated searches from later states of the motion.
     RetryLater,
-    /// Integrates what searches do not find; searches for [`StencilStart::Skip`] only after the motion settles.
-    Integrate,
+    /// What searches do not find settles, is searched for on the way, and is integrated to steady state at last. For
+    /// [`StencilStart::Postponed`] the searches begin only on the way, except from harmonic balance.
+    SettleThenIntegrate,
 }
 
 /// Tries, for an instance with a [`StencilStart::Stencil`]: the interpolated state, the midpoint of its two nearest
 /// neighbours, each of them alone, then a search as in [`solve`](super::solve) with `near`. For [`StencilStart::EachPoint`] it
-/// tries each neighbour alone and nothing else. `patience` says what happens to the rest. Also returns, by instance, whether
+/// tries each neighbour alone and nothing else. `on_failure` says what happens to the rest. Also returns, by instance, whether
 /// the interpolated start led to its state.
 ///
 /// # Errors
@@ -32,7 +33,7 @@ pub enum OnFailure {
 pub fn solve_from_neighbours(
     plan: &Plan,
     leads: &[StencilStart],
-    (near, patience): (&[Option<&PeriodicState>], OnFailure),
+    (near, on_failure): (&[Option<&PeriodicState>], OnFailure),
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<(OrbitSolution, Vec<bool>), EngineError> {
@@ -67,8 +68,8 @@ pub fn solve_from_neighbours(
         plan.instances().filter(|i| open(i) && of(&leads[*i as usize])).collect()
     };
     let others = rest(|lead| matches!(lead, StencilStart::Stencil(_) | StencilStart::None));
-    let waits = patience == OnFailure::Integrate;
-    let vain = if waits { rest(|lead| matches!(lead, StencilStart::Skip)) } else { Vec::new() };
+    let waits = on_failure == OnFailure::SettleThenIntegrate;
+    let vain = if waits { rest(|lead| matches!(lead, StencilStart::Postponed)) } else { Vec::new() };
     for (some, aside) in [(others, false), (vain, true)] {
         if some.is_empty() {
             continue;
@@ -83,7 +84,7 @@ pub fn solve_from_neighbours(
             false => InitialGuess::StatesOnce(&near),
         };
         let own: Vec<StencilStart> = some.iter().map(|i| leads[*i as usize].clone()).collect();
-        let rest = search_or_integrate(&plan.part(&some), begin, (&own, patience), engine, progress)?;
+        let rest = search_or_integrate(&plan.part(&some), begin, (&own, on_failure), engine, progress)?;
         settled.take(&some, rest);
     }
     Ok((settled, begun))

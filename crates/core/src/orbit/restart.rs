@@ -15,5 +15,12 @@ pub(super) fn solve_from_own_states(
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
     let nodes = own_nodes(plan, near);
-    Ok(solve_from_neighbours(plan, &own_starts(&nodes), (near, OnFailure::Integrate), engine, progress)?.0)
+    Ok(solve_from_neighbours(
+        plan,
+        &own_starts(&nodes),
+        (near, OnFailure::SettleThenIntegrate),
+        engine,
+        progress,
+    )?
+    .0)
 }

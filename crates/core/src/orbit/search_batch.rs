@@ -15,7 +15,7 @@ use crate::engine::{
     ProfileSection, Progress,
 };
 use crate::kernel::Room;
-use crate::periodic::{FixedPoint, Memory, PtcOutcome, Size};
+use crate::periodic::{FixedPoint, Memory, PtcOutcome, SearchFailure, Size};
 use crate::plan::{Case, Plan, Precision, SectionState};
 use nalgebra::{DefaultAllocator, DimName};
 use std::ops::Range;
@@ -173,7 +173,7 @@ impl SearchBatch<'_> {
         left.extend(lost.into_iter().map(|(slot, periods, _)| (slot, periods, begin(slot))));
         let (mut waited, periods) = (0, plan.run.periods);
         for (n, &(warm, searches)) in from.warm_up().iter().enumerate() {
-            // Integration to steady state is cheaper.
+            // `[run] periods` bounds the searches, too: beyond it integration to steady state is cheaper.
             if left.is_empty() || waited + warm >= periods {
                 break;
             }
@@ -278,7 +278,8 @@ impl SearchBatch<'_> {
                     self.map.ended(1);
                     false
                 }
-                Some(PtcOutcome::Failed(_)) => {
+                Some(PtcOutcome::Failed(why)) => {
+                    self.map.progress.gave_up(*why);
                     lost.push((one.slot, one.stepped(), one.start));
                     false
                 }
@@ -288,7 +289,7 @@ impl SearchBatch<'_> {
     }
 
     /// Searches by the engine's own method, first in f32 where rounding allows, then in f64. Returns searches that failed; if
-    /// another search follows, those that fail in f32 go there directly.
+    /// another search follows, those that fail in f32 go there directly. Those that found an unstable state are `lost`.
     fn device_newton<D: Size + DimName>(
         self,
         mut all: Vec<Box<InstanceSearch<D>>>,
@@ -336,7 +337,10 @@ impl SearchBatch<'_> {
                     done.push(self.end(&one, &found));
                     self.map.ended(1);
                 }
-                None => lost.push((one.slot, one.stepped(), one.start)),
+                None => {
+                    self.map.progress.gave_up(SearchFailure::Unstable);
+                    lost.push((one.slot, one.stepped(), one.start));
+                }
             }
         }
         Ok(left)

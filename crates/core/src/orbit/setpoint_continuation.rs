@@ -176,7 +176,7 @@ impl SetPointContinuation<'_> {
         Ok(left_over)
     }
 
-    /// Integrates instances whose branch has ended to the state they settle to.
+    /// Takes instances whose branch has ended to the states they settle to, by search or by integration.
     fn jump(&mut self, ended: Vec<SetPointBranch>) -> Result<Vec<SetPointBranch>, EngineError> {
         let start = |one: &SetPointBranch| (one.instance, one.next_gap(), branch_end(one.last.state.clone()));
         let starts: Vec<_> = ended.iter().map(start).collect();
@@ -195,7 +195,7 @@ impl SetPointContinuation<'_> {
                     (one.last, one.before) = (last, None);
                     going.push(one);
                 }
-                None => self.give_up(one),
+                None => self.end_or_retry(one),
             }
         }
         Ok(going)
@@ -241,7 +241,7 @@ impl SetPointContinuation<'_> {
             left = rest;
         }
         if !self.progress.stopped() {
-            left.into_iter().for_each(|one| self.give_up(one));
+            left.into_iter().for_each(|one| self.end_or_retry(one));
         }
         Ok(going)
     }
@@ -260,7 +260,7 @@ impl SetPointContinuation<'_> {
                 self.end(one.instance, ApproachEnd::Met(met.0, Box::new(met.1)));
             } else {
                 one.other = one.other.or(Some(met));
-                self.give_up(one);
+                self.end_or_retry(one);
             }
             return None;
         }
@@ -287,12 +287,13 @@ impl SetPointContinuation<'_> {
         if one.last.gap < lowest {
             self.done.too_deep.push((one.instance, one.last.miss));
         }
-        self.give_up(one);
+        self.end_or_retry(one);
         None
     }
 
-    /// Ends a failed approach, or searches once more for a requested branch; another branch is better than none.
-    fn give_up(&mut self, one: SetPointBranch) {
+    /// Ends a failed approach. One that asks for a branch is tried once more on that branch; else another branch is better than
+    /// none.
+    fn end_or_retry(&mut self, one: SetPointBranch) {
         if one.setpoint.branch.is_some() && !one.set {
             self.astray.push(SetPointBranch { set: true, ..one });
             return;

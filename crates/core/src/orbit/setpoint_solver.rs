@@ -8,7 +8,7 @@ use crate::observe::Status;
 use crate::plan::{BasisRule, Plan};
 use crate::scene::Held;
 
-/// A set-point is held if its residual is at most this share of the accuracy.
+/// Gaps are tried until the residual is at most this share of the accuracy. After the last one the whole accuracy will do.
 const SETPOINT_TOL_SHARE: f64 = 0.05;
 /// Gaps tried in one run of an instance.
 const MAX_SECANT_STEPS: u32 = 12;

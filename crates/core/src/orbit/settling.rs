@@ -23,8 +23,9 @@ const DECAY_EXPONENT: f64 = 2.0;
 const MIN_DECAY_PERIODS: u32 = 96;
 /// If that takes long, the first searches come after so many periods, and each later one after twice as many.
 const FIRST_SEARCH_PERIODS: u32 = 192;
-/// Searches from checkpoints. An instance that none of them finds is integrated to steady state.
-const MAX_SEARCHES: usize = 4;
+/// Checkpoints a decay apart, at which a motion may be given up. An instance that no search finds by then is integrated to
+/// steady state.
+const JUDGED_CHECKPOINTS: usize = 4;
 
 /// An instance that is being integrated.
 struct Settling {
@@ -68,7 +69,7 @@ fn checkpoints(pace: u32) -> Vec<(u32, bool)> {
         on *= 2;
     }
     all.push((pace - gone, true));
-    all.extend([(pace, true); MAX_SEARCHES - 1]);
+    all.extend([(pace, true); JUDGED_CHECKPOINTS - 1]);
     all
 }
 

@@ -93,8 +93,8 @@ pub enum StencilStart<'a> {
     Stencil(Stencil<'a>),
     /// A search has failed; each neighbour alone may lead to the state.
     EachPoint(Vec<StencilPoint<'a>>),
-    /// No search is to be tried.
-    Skip,
+    /// Its neighbours' searches have failed: no search is tried until the motion settles.
+    Postponed,
     /// The neighbours are no guide.
     None,
 }
@@ -110,7 +110,7 @@ impl<'a> StencilStart<'a> {
     pub(super) fn stencil(&self) -> Option<&Stencil<'a>> {
         match self {
             Self::Stencil(hint) => Some(hint),
-            Self::EachPoint(_) | Self::Skip | Self::None => None,
+            Self::EachPoint(_) | Self::Postponed | Self::None => None,
         }
     }
 

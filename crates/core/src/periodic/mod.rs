@@ -12,6 +12,7 @@ mod line_search;
 mod newton_jacobian;
 mod newton_options;
 mod pseudo_transient;
+mod search_failure;
 mod size;
 
 pub use envelope::{Envelope, EnvelopeEnd, EnvelopeOptions};
@@ -19,5 +20,6 @@ pub use floquet::Floquet;
 pub use inverse::inverse;
 pub(crate) use line_search::{highest, root, root_within};
 pub use newton_options::NewtonOptions;
-pub use pseudo_transient::{Failure, FixedPoint, PtcNewton, PtcOutcome};
+pub use pseudo_transient::{FixedPoint, PtcNewton, PtcOutcome};
+pub use search_failure::SearchFailure;
 pub use size::{Memory, Size};

@@ -2,7 +2,8 @@
 
 use super::floquet::{Floquet, factors};
 use super::newton_options::NewtonOptions;
-use super::pseudo_transient::{Failure, FixedPoint, JacobianSource, PtcNewton, PtcOutcome, Stage};
+use super::pseudo_transient::{FixedPoint, JacobianSource, PtcNewton, PtcOutcome, Stage};
+use super::search_failure::SearchFailure;
 use super::size::{Memory, Size};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector};
 
@@ -84,7 +85,7 @@ where
                 (self.jacobian_source, self.known_floquet) = (JacobianSource::Full, None);
                 self.next_step()
             }
-            None => Stage::Done(PtcOutcome::Failed(Failure::Undefined)),
+            None => Stage::Done(PtcOutcome::Failed(SearchFailure::Undefined)),
         };
         self.go_on(next);
     }

@@ -21,7 +21,7 @@ pub struct NewtonOptions {
     /// If the map computes its Jacobian: the number of finite-difference columns of equal cost. The search takes no more
     /// columns than that by differences.
     pub jacobian_columns: Option<usize>,
-    /// Most evaluations of the map.
+    /// Most evaluations of the map. A Jacobian by tangents counts as the differences that it replaces.
     pub max_evaluations: u32,
     /// Whether the start is expected to be close to the fixed point.
     pub start_is_close: bool,

@@ -2,6 +2,7 @@
 
 use super::floquet::{Floquet, factors};
 use super::newton_options::NewtonOptions;
+use super::search_failure::SearchFailure;
 use super::size::{Memory, Size};
 use crate::kernel::newton::{FARTHEST, GAINS, LONGER, LONGEST, NEWTON};
 use nalgebra::{DefaultAllocator, LU, OMatrix, OVector, U1};
@@ -18,24 +19,13 @@ where
     pub spectrum: Floquet,
 }
 
-/// Why a search has failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Failure {
-    /// Too many evaluations, or no step reduces the residual.
-    Stuck,
-    /// The fixed point is unstable.
-    Unstable,
-    /// The map is not finite, or ends in another contact than it began.
-    Undefined,
-}
-
 #[derive(Clone, Debug)]
 pub enum PtcOutcome<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
     Converged(Box<FixedPoint<D>>),
-    Failed(Failure),
+    Failed(SearchFailure),
 }
 
 /// Pseudo-time of the first step, periods.
@@ -217,12 +207,13 @@ where
     pub fn tell(&mut self, values: &[Option<OVector<f64, D>>]) {
         self.evaluations += values.len() as u32;
         self.evaluations_by_differences += values.len() as u32;
-        let stage = std::mem::replace(&mut self.stage, Stage::Done(PtcOutcome::Failed(Failure::Stuck)));
+        let stage =
+            std::mem::replace(&mut self.stage, Stage::Done(PtcOutcome::Failed(SearchFailure::NoDescent)));
         let next = match stage {
             Stage::Begin => self.begun(values),
             Stage::Slope { whole } => match self.one_sided(whole, values) {
                 true => self.next_step(),
-                false => Stage::Done(PtcOutcome::Failed(Failure::Undefined)),
+                false => Stage::Done(PtcOutcome::Failed(SearchFailure::Undefined)),
             },
             Stage::Stride { step, shorter } => self.after_step(step, shorter, values),
             Stage::Last => self.last(values),
@@ -234,7 +225,7 @@ where
     pub(super) fn go_on(&mut self, next: Stage<D>) {
         self.stage = next;
         if self.evaluations_by_differences >= self.options.max_evaluations && self.verdict().is_none() {
-            self.stage = Stage::Done(PtcOutcome::Failed(Failure::Stuck));
+            self.stage = Stage::Done(PtcOutcome::Failed(SearchFailure::OutOfEvaluations));
         }
     }
 
@@ -253,7 +244,7 @@ where
                     Stage::Slope { whole: false }
                 }
             }
-            _ => Stage::Done(PtcOutcome::Failed(Failure::Undefined)),
+            _ => Stage::Done(PtcOutcome::Failed(SearchFailure::Undefined)),
         }
     }
 
@@ -285,7 +276,7 @@ where
 
     /// The next step, or the end if Newton's step is short enough.
     pub(super) fn next_step(&mut self) -> Stage<D> {
-        let stuck = Stage::Done(PtcOutcome::Failed(Failure::Stuck));
+        let stuck = Stage::Done(PtcOutcome::Failed(SearchFailure::NoDescent));
         let near = self.options.tolerance * self.options.scale;
         // Newton's step is no shorter than the residual over the norm of 1 - Jacobian.
         let far = self.change.norm() > near * (1.0 + self.jacobian.norm());
@@ -350,9 +341,9 @@ where
                 return Stage::Last;
             }
             return Stage::Done(PtcOutcome::Failed(if values == [None] {
-                Failure::Undefined
+                SearchFailure::Undefined
             } else {
-                Failure::Stuck
+                SearchFailure::NoDescent
             }));
         }
         self.pseudo_time = (0.25 * self.pseudo_time).min(NEWTON);
@@ -362,7 +353,7 @@ where
     fn last(&mut self, values: &[Option<OVector<f64, D>>]) -> Stage<D> {
         for n in 0..self.size() {
             let (Some(Some(low)), Some(Some(high))) = (values.get(2 * n), values.get(2 * n + 1)) else {
-                return Stage::Done(PtcOutcome::Failed(Failure::Undefined));
+                return Stage::Done(PtcOutcome::Failed(SearchFailure::Undefined));
             };
             self.jacobian
                 .set_column(self.moved(n), &((high - low) / (2.0 * self.last_step() * self.options.scale)));
@@ -373,7 +364,7 @@ where
     pub(super) fn found(&self, spectrum: Floquet) -> Stage<D> {
         let multiplier = spectrum.multiplier;
         if multiplier.is_nan() || (self.options.require_stable && multiplier >= 1.0) {
-            return Stage::Done(PtcOutcome::Failed(Failure::Unstable));
+            return Stage::Done(PtcOutcome::Failed(SearchFailure::Unstable));
         }
         Stage::Done(PtcOutcome::Converged(Box::new(FixedPoint {
             state: self.state.clone(),

@@ -42,7 +42,7 @@ impl BasisRule {
     /// The next rule with fewer oscillators, if the contact's rate chose this one.
     pub fn poorer(&self) -> Option<Self> {
         let Self::Contact { rate, count, elastic } = *self else { return None };
-        let fewer = OSCILLATOR_COUNTS.into_iter().rev().find(|other| *other < count).unwrap_or(count - 1);
+        let fewer = OSCILLATOR_COUNTS.into_iter().rev().find(|other| *other < count)?;
         Some(Self::Contact { rate, count: fewer, elastic })
     }
 

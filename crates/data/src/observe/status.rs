@@ -50,7 +50,7 @@ statuses! {
         "its error is estimated, or was found by an audit, above the accuracy asked for (error_estimate, group audit)";
     /// No gap was found that holds the set-point.
     NoSetpoint = 7, "no_setpoint",
-        "no gap was found that holds the set-point: the approach jumps past it and the way back does not meet it, or the sample is too soft for it as deep as [approach] deepest says; a curve over the gap shows which";
+        "no gap was found that holds the set-point: the approach jumps past it and the way back does not meet it, the sample is too soft for it as deep as [approach] deepest says, or the tip feels no sample; a curve over the gap shows which";
 }
 
 impl Status {

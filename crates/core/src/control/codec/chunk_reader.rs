@@ -157,25 +157,18 @@ impl<'a> ChunkReader<'a> {
         for number in 0..Measured::WIDTH {
             self.column(number).each(self.count, |n, bits| measured[n] |= !f64::from_bits(bits).is_nan());
         }
-        let of = [
-            chunk_codec::STATUS,
-            STEPS,
-            ESTIMATE,
-            FOUND,
-            chunk_codec::PRECISION,
-            chunk_codec::NEIGHBOUR_STARTED,
-        ];
+        let of =
+            [chunk_codec::STATUS, STEPS, ESTIMATE, chunk_codec::PRECISION, chunk_codec::NEIGHBOUR_STARTED];
         let columns = of.map(|number| self.column(number));
         let mut started = 0;
         let mark = |(n, measured): (usize, &bool)| {
-            let [status, steps, estimate, found, double, begun] = columns.map(|column| column.get(n));
+            let [status, steps, estimate, double, begun] = columns.map(|column| column.get(n));
             started += usize::from(begun == 1);
             let seen = InstanceFacts {
                 status: Status::ALL.into_iter().find(|one| *one as u64 == status)?,
                 stepped: steps > 0,
                 measured: *measured,
                 estimate: f64::from_bits(estimate),
-                found: found == 1,
                 precision: if double == 1 { Precision::F64 } else { Precision::F32 },
             };
             Some(InstanceFlags::of(seen, accuracy))
