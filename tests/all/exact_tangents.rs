@@ -79,7 +79,8 @@ fn constants(law: Law, count: usize, filled: usize, steps: usize, i: usize) -> V
         "breaks" => -0.6,
         "scale_0" | "scale_3" => -0.3 * force,
         "scale_1" | "scale_2" => 0.2 * force,
-        _ => 2.5,
+        name if name == "inverse_unit" || name.starts_with("inverse_length_") => 2.5,
+        name => panic!("give {name} a value for which the force acts"),
     };
     let law = law.fields().iter().map(of);
     let free = [19.0, 6.0, TAU / steps as f64, 19.2 - 0.37 * i as f64];

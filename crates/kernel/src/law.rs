@@ -8,11 +8,15 @@ use crate::wgsl::function;
 
 /// Hands the list to the macro `$then`: one line for each law. Whatever has to be written out for each law is made from it.
 ///
-/// A line says the law's variant, its code in results files (its place in the list), its word in scene and results files, the
-/// name of its type (in the kernel and in the main crate's `contact`), and what only the kernel asks for: what the law is like,
-/// and for how many modes there is a stepper of two registers side by side (`wide`) or of one (`narrow`). Up to 8 modes,
-/// numbers between are filled up with modes at rest; beyond 8 there is one stepper with a loop. Of a law with a memory nothing
-/// is filled up: it has a stepper for 2 modes, one of them the memory, and the loop for all others.
+/// A line says the law's variant, its code in results files (its place in the list), its word in scene and results files
+/// (`in scenes`: a scene may name it), the name of its type (in the kernel and in the main crate's `contact`), and
+///
+/// - where its adhesion acts; whether it has hysteresis ([`Law::has_hysteresis`]) and a history ([`Law::is_viscous`]);
+/// - its kin: the laws of the same contact on another sample, under another tip, or with forces beside it;
+/// - its form in the reference engine;
+/// - for how many modes there is a stepper of two registers side by side (`wide`) or of one (`narrow`). Up to 8 modes,
+///   numbers between are filled up with modes at rest; beyond 8 there is one stepper with a loop. Of a law with a memory nothing
+///   is filled up: it has a stepper for 2 modes, one of them the memory, and the loop for all others.
 ///
 /// Wide where it was faster (`cargo bench --bench limits`): DMT's attraction, which never ends, is two quotients that wait
 /// for each other; the others have more to gain from leaving the law out.
@@ -21,33 +25,75 @@ macro_rules! laws {
     ($then:ident) => {
         $then! {
             /// No sample.
-            None = 0, "none", Nothing { attraction: None, hysteresis: false, wide: [], narrow: [8 24] };
+            None = 0, "none" in scenes, Nothing {
+                attraction: None, hysteresis: false, history: false, kin: [],
+                reference: NoForce, wide: [], narrow: [8 24]
+            };
             /// Hertz (1882): elastic, without adhesion.
-            Hertz = 1, "hertz", Hertz { attraction: None, hysteresis: false, wide: [1 2], narrow: [3 4 6 8 24] };
+            Hertz = 1, "hertz" in scenes, Hertz {
+                attraction: None, hysteresis: false, history: false, kin: [Viscous: ViscousHertz, Relaxing: RelaxingHertz, Shaped: ShapedHertz, Summed: Sum],
+                reference: ReferenceHertz, wide: [1 2], narrow: [3 4 6 8 24]
+            };
             /// Derjaguin, Muller & Toporov (1975): adhesion acts from outside the contact.
-            Dmt = 2, "dmt", Dmt { attraction: Distant, hysteresis: false, wide: [1 2 3 4], narrow: [6 8 24] };
+            Dmt = 2, "dmt" in scenes, Dmt {
+                attraction: Distant, hysteresis: false, history: false, kin: [Viscous: ViscousDmt, Relaxing: RelaxingSum, Shaped: ShapedDmt, Summed: Sum],
+                reference: ReferenceDmt, wide: [1 2 3 4], narrow: [6 8 24]
+            };
             /// Johnson, Kendall & Roberts (1971): adhesion acts within the contact.
-            Jkr = 3, "jkr", Jkr { attraction: Contact, hysteresis: true, wide: [1 2], narrow: [3 4 6 8 24] };
+            Jkr = 3, "jkr" in scenes, Jkr {
+                attraction: Contact, hysteresis: true, history: false, kin: [Summed: JkrSum],
+                reference: ReferenceJkr, wide: [1 2], narrow: [3 4 6 8 24]
+            };
             /// Hertz with a viscous sample (Kelvin-Voigt).
-            ViscousHertz = 4, "hertz-viscous", ViscousHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 8 24] };
+            ViscousHertz = 4, "hertz-viscous", ViscousHertz {
+                attraction: None, hysteresis: false, history: true, kin: [],
+                reference: ReferenceViscous, wide: [], narrow: [2 8 24]
+            };
             /// DMT with a viscous sample.
-            ViscousDmt = 5, "dmt-viscous", ViscousDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
+            ViscousDmt = 5, "dmt-viscous", ViscousDmt {
+                attraction: Distant, hysteresis: false, history: true, kin: [],
+                reference: ReferenceViscous, wide: [], narrow: [2 8 24]
+            };
             /// Hertz with a sample that relaxes (standard linear solid).
-            RelaxingHertz = 6, "hertz-relaxing", RelaxingHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 24] };
+            RelaxingHertz = 6, "hertz-relaxing", RelaxingHertz {
+                attraction: None, hysteresis: false, history: true, kin: [],
+                reference: ReferenceRelaxing, wide: [], narrow: [2 24]
+            };
             /// Hertz's half-space under a tip that is no paraboloid (Sneddon 1965).
-            ShapedHertz = 7, "hertz-shaped", ShapedHertz { attraction: None, hysteresis: false, wide: [], narrow: [2 8 24] };
+            ShapedHertz = 7, "hertz-shaped", ShapedHertz {
+                attraction: None, hysteresis: false, history: false, kin: [Summed: Sum],
+                reference: ReferenceShaped, wide: [], narrow: [2 8 24]
+            };
             /// The same under DMT's attraction.
-            ShapedDmt = 8, "dmt-shaped", ShapedDmt { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
+            ShapedDmt = 8, "dmt-shaped", ShapedDmt {
+                attraction: Distant, hysteresis: false, history: false, kin: [Summed: Sum],
+                reference: ReferenceShaped, wide: [], narrow: [2 8 24]
+            };
             /// A contact with up to four forces beside it that are tabulated.
-            Sum = 9, "sum", ForceSum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 8 24] };
+            Sum = 9, "sum", ForceSum {
+                attraction: Distant, hysteresis: false, history: false, kin: [Viscous: ViscousSum, Relaxing: RelaxingSum, Summed: Sum],
+                reference: ReferenceShaped, wide: [], narrow: [2 8 24]
+            };
             /// The same, where one of the forces acts only from where it forms to where it breaks.
-            HystereticSum = 10, "sum-hysteretic", HystereticSum { attraction: Distant, hysteresis: true, wide: [], narrow: [2 24] };
+            HystereticSum = 10, "sum-hysteretic", HystereticSum {
+                attraction: Distant, hysteresis: true, history: false, kin: [],
+                reference: ReferenceShaped, wide: [], narrow: [2 24]
+            };
             /// JKR's contact with such forces beside it.
-            JkrSum = 11, "sum-jkr", JkrSum { attraction: Distant, hysteresis: true, wide: [], narrow: [2 24] };
+            JkrSum = 11, "sum-jkr", JkrSum {
+                attraction: Distant, hysteresis: true, history: false, kin: [],
+                reference: ReferenceJkr, wide: [], narrow: [2 24]
+            };
             /// A viscous sample (Kelvin-Voigt) with such forces beside the contact.
-            ViscousSum = 12, "sum-viscous", ViscousSum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 24] };
+            ViscousSum = 12, "sum-viscous", ViscousSum {
+                attraction: Distant, hysteresis: false, history: true, kin: [],
+                reference: ReferenceViscous, wide: [], narrow: [2 24]
+            };
             /// A sample that relaxes with such forces, or DMT's attraction, beside the contact.
-            RelaxingSum = 13, "sum-relaxing", RelaxingSum { attraction: Distant, hysteresis: false, wide: [], narrow: [2 24] };
+            RelaxingSum = 13, "sum-relaxing", RelaxingSum {
+                attraction: Distant, hysteresis: false, history: true, kin: [],
+                reference: ReferenceRelaxing, wide: [], narrow: [2 24]
+            };
         }
     };
 }
@@ -63,9 +109,19 @@ pub enum Attraction {
     Distant,
 }
 
+/// In what a law may vary another one.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Variation {
+    Viscous,
+    Relaxing,
+    Shaped,
+    Summed,
+}
+
 macro_rules! enumerate {
-    ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kernel:ident
-        { attraction: $attraction:ident, hysteresis: $hysteresis:literal, $($steppers:tt)* };)*) => {
+    ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal $(in $scenes:ident)?, $kernel:ident
+        { attraction: $attraction:ident, hysteresis: $hysteresis:literal, history: $history:literal,
+          kin: [$($way:ident: $kin:ident),*], $($rest:tt)* };)*) => {
         /// The law one instance uses.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
         #[repr(u8)]
@@ -96,6 +152,22 @@ macro_rules! enumerate {
                 match self {
                     $(Law::$law => $hysteresis,)*
                 }
+            }
+
+            /// Whether the sample takes time to yield or to recover, or remembers otherwise, so that the force depends on how the
+            /// tip came here.
+            pub fn is_viscous(self) -> bool {
+                match self {
+                    $(Law::$law => $history,)*
+                }
+            }
+
+            /// The law that varies this one so, where there is one.
+            fn varied(self, by: Variation) -> Option<Self> {
+                let kin: &[(Variation, Self)] = match self {
+                    $(Law::$law => &[$((Variation::$way, Law::$kin)),*],)*
+                };
+                kin.iter().find(|(way, _)| *way == by).map(|(_, law)| *law)
             }
 
             /// Does `work` with the kernel's type for the law.
@@ -241,53 +313,33 @@ impl Law {
 
     /// The same law with a viscous sample, where there is one.
     pub fn viscous(self) -> Option<Self> {
-        match self {
-            Self::Hertz => Some(Self::ViscousHertz),
-            Self::Dmt => Some(Self::ViscousDmt),
-            Self::Sum => Some(Self::ViscousSum),
-            _ => None,
-        }
+        self.varied(Variation::Viscous)
     }
 
     /// The same law with a sample that relaxes, where there is one.
     pub fn relaxing(self) -> Option<Self> {
-        match self {
-            Self::Hertz => Some(Self::RelaxingHertz),
-            Self::Dmt | Self::Sum => Some(Self::RelaxingSum),
-            _ => None,
-        }
+        self.varied(Variation::Relaxing)
     }
 
     /// The same law under a tip that is no paraboloid, where there is one.
     pub fn shaped(self) -> Option<Self> {
-        match self {
-            Self::Hertz => Some(Self::ShapedHertz),
-            Self::Dmt => Some(Self::ShapedDmt),
-            _ => None,
-        }
+        self.varied(Variation::Shaped)
     }
 
     /// The law of the same contact with other forces beside it, where there is one.
     pub fn summed(self) -> Option<Self> {
-        match self {
-            Self::None | Self::Hertz | Self::Dmt | Self::ShapedHertz | Self::ShapedDmt | Self::Sum => {
-                Some(Self::Sum)
-            }
-            Self::Jkr => Some(Self::JkrSum),
-            _ => None,
-        }
+        self.varied(Variation::Summed)
     }
 
-    /// Whether it is a contact with other forces beside it.
+    /// Whether it is a contact with other forces beside it, which are tables among its constants.
     pub fn is_sum(self) -> bool {
-        let elastic = matches!(self, Self::Sum | Self::HystereticSum | Self::JkrSum);
-        elastic || matches!(self, Self::ViscousSum | Self::RelaxingSum)
+        self.fields().iter().any(|name| name.starts_with("table_"))
     }
 
-    /// Whether the sample takes time to yield or to recover, so that the force depends on how the tip came here.
-    pub fn is_viscous(self) -> bool {
-        let alone = matches!(self, Self::ViscousHertz | Self::ViscousDmt | Self::RelaxingHertz);
-        alone || matches!(self, Self::ViscousSum | Self::RelaxingSum)
+    /// Whether the force jumps where contact forms or ends. A jump rings all modes: it takes more oscillators and steps, and its
+    /// error is estimated more carefully.
+    pub fn jumps(self) -> bool {
+        self.has_hysteresis() || self.attraction() == Attraction::Contact
     }
 
     /// Whether there is a sample at all.

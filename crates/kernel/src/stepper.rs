@@ -114,8 +114,9 @@ impl<E: Copy, T: Make<E>> WithLanes<E> for Compiled<T> {
         }
         let Self { law, modes, .. } = self;
         macro_rules! made {
-            ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kernel:ident
-                { attraction: $attraction:ident, hysteresis: $hysteresis:literal,
+            ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal $(in $scenes:ident)?, $kernel:ident
+                { attraction: $attraction:ident, hysteresis: $hysteresis:literal, history: $history:literal,
+                  kin: $kin:tt, reference: $reference:ident,
                   wide: [$($two:literal)*], narrow: [$($one:literal)*] };)*) => {
                 match law {
                     $(Law::$law => match modes {

@@ -41,7 +41,7 @@ pub(super) fn kind_and_stiffness(plan: &Plan, instance: u32) -> (ContactKind, f6
     let case = plan.case(instance);
     let (contact, depth, law) = (&case.contact, plan.depth_of(&case), plan.law(instance));
     let strong = || -contact.law().pull_off() >= plan.policy.strong_jump * contact.force(depth, true);
-    let kind = ContactKind { law: law.code(), jumps: law.has_hysteresis() && strong() };
+    let kind = ContactKind { law: law.code(), jumps: law.jumps() && strong() };
     let driven = plan.driven(instance);
     let rate = if contact.viscous_time() > 0.0 { driven.contact_rate(contact, case.gap) } else { 0.0 };
     let pressed = contact.stiffness_at(depth, rate);

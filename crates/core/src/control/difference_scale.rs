@@ -26,7 +26,7 @@ pub(super) fn scaled_differences(
 /// Share of the difference between two bases that remains in the richer one's error, for this contact.
 pub(super) fn remaining_error_factor(plan: &Plan, i: u32) -> f64 {
     let policy = &plan.policy;
-    let jumps = plan.law(i).has_hysteresis();
+    let jumps = plan.law(i).jumps();
     let corners = jumps || plan.run.accuracy < policy.corners_below;
     match (corners, is_fast(plan, i)) {
         (true, true) => policy.left_of_fast_corners,

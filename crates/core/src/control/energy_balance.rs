@@ -35,7 +35,7 @@ pub(super) fn missed_resonances(plan: &Plan, instance: u32, measured: &Measured)
     if waiting.is_empty() {
         return 0.0;
     }
-    let force = |one: &Resonance| harmonic_bound(measured, one.harmonic, contact.law.has_hysteresis());
+    let force = |one: &Resonance| harmonic_bound(measured, one.harmonic, contact.law.jumps());
     let taken = |one: &Resonance| PI * one.harmonic * -one.compliance().im * force(one).powi(2);
     let of_phase = phase_error(plan, instance, measured, waiting.iter().map(taken).sum());
     let moved = waiting.iter().map(|one| one.compliance().norm() * force(one)).sum::<f64>();

@@ -85,7 +85,7 @@ pub(super) struct FirstEstimate {
 fn needs_basis_run(plan: &Plan, i: u32, smaller: BasisRule) -> bool {
     match smaller {
         BasisRule::Contact { count, elastic, .. } => {
-            !elastic || count < plan.policy.first_oscillators || plan.law(i).has_hysteresis()
+            !elastic || count < plan.policy.first_oscillators || plan.law(i).jumps()
         }
         BasisRule::Shares { .. } | BasisRule::Resonant { .. } => false,
     }

@@ -130,7 +130,7 @@ impl Driven {
     /// The octave of a contact of this rate, rad/s.
     fn octave_of(&self, contact: &Contact, rate: f64) -> RateOctave {
         let power = (rate / self.free.omega).max(1.0).log2().ceil().min(64.0) as u32;
-        RateOctave { power, elastic: contact.retardation == 0.0, jumps: contact.law.has_hysteresis() }
+        RateOctave { power, elastic: contact.retardation == 0.0, jumps: contact.law.jumps() }
     }
 
     /// Rate of an instance's contact, rad/s: its own angular frequency against the tip as it moves at that rate, about four

@@ -45,7 +45,7 @@ pub fn steps(
 ) -> u32 {
     let base = BASE_STEPS * (1e-3 / accuracy).powf(1.0 / STEPPER_ORDER);
     let period = TAU / omega;
-    let jumps = accuracy < JUMPS_BELOW && contact.law.has_hysteresis();
+    let jumps = accuracy < JUMPS_BELOW && contact.law.jumps();
     let finer = match kept.rule {
         BasisRule::Contact { elastic: true, .. } if jumps => JUMP_REFINEMENT,
         BasisRule::Contact { elastic: true, .. } => FAST_CONTACT_REFINEMENT,

@@ -71,7 +71,7 @@ type ShapedDmt = Dmt<ShapedHertz>;
 
 /// From the kernel's list, whose types have the names of those here.
 macro_rules! model {
-    ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kind:ident $facts:tt;)*) => {
+    ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal $(in $scenes:ident)?, $kind:ident $facts:tt;)*) => {
         /// A law with its constants.
         #[derive(Clone, Copy, Debug, PartialEq)]
         enum Model {

@@ -49,7 +49,7 @@ impl Compact {
 
 /// What a memory that decays by exp(-q) in a step keeps of itself: at the step's end, and on its mean over the step; and that
 /// end's mean over both ends less the mean. No difference of almost equal numbers is left where q is small.
-fn kept(q: f64) -> [f64; 3] {
+pub(super) fn kept(q: f64) -> [f64; 3] {
     let (left, mean) = ((-q).exp(), -(-q).exp_m1() / q);
     let bent = match q < 0.01 {
         true => q * q * (1.0 / 12.0 - q / 24.0 + q * q / 80.0 - q * q * q / 360.0),

@@ -130,7 +130,9 @@ impl Contact {
         }
         let wrong = match self.attraction() {
             Attraction::None => return None,
-            Attraction::Contact => tabor < DMT_BELOW,
+            Attraction::Contact if law == Law::Jkr => tabor < DMT_BELOW,
+            // Tabor's parameter tells DMT's range from JKR's alone.
+            Attraction::Contact => return None,
             Attraction::Distant => tabor > JKR_ABOVE,
         };
         match wrong {

@@ -8,6 +8,7 @@ use super::params::*;
 use super::paths::{HALF_ANGLE, RELAXATION, TIP_SHAPE, VISCOSITIES};
 use super::sample_rules::{beside_law, exceeding, laws_of};
 use super::scene_error::{Checked, Fault};
+use crate::kernel::Law;
 use crate::kernel::contact::TERMS;
 
 /// Most tables of a scene.
@@ -26,13 +27,16 @@ pub(super) fn forces_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     }
     let Some(said) = draft.first_of(&[TABLE]).or(draft.first_of(&[OUTSIDE])) else { return Ok(()) };
     let fault = |title: &str, why: &str| Fault::at(said.key.clone(), title).label(why.to_owned());
-    let known = |choice: &&LawChoice| !matches!(choice, LawChoice::None | LawChoice::Auto);
+    let known = |choice: &&LawChoice| choice.law().is_some_and(|law| law.acts() && law.summed().is_some());
     if let Some(other) = laws.iter().find(|choice| !known(choice)) {
-        let why = match other {
-            LawChoice::None => "law = \"none\" has no sample",
-            _ => "law = \"auto\" goes by Tabor's parameter, which knows the contact's adhesion alone",
+        let why = match other.law() {
+            Some(Law::None) => "law = \"none\" has no sample".to_owned(),
+            Some(law) => format!("they are not known for law = \"{law}\""),
+            None => {
+                "law = \"auto\" goes by Tabor's parameter, which knows the contact's adhesion alone".into()
+            }
         };
-        return Err(beside_law(fault("the law does not know forces beside the contact", why), draft)
+        return Err(beside_law(fault("the law does not know forces beside the contact", &why), draft)
             .expected("law = \"hertz\", \"dmt\", \"jkr\" or \"table\" in [contact]")
             .help("set one of them, or remove the force"));
     }

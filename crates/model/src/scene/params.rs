@@ -151,7 +151,7 @@ pub enum Adhesion {
 }
 
 macro_rules! law_choice {
-    ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal, $kind:ident $facts:tt;)*) => {
+    ($($(#[$doc:meta])* $law:ident = $code:literal, $word:literal $(in $scenes:ident)?, $kind:ident $facts:tt;)*) => {
         /// What the scene asks for as contact law.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum LawChoice {
@@ -161,15 +161,13 @@ macro_rules! law_choice {
         }
 
         impl LawChoice {
-            const LAWS: &[(&str, Self)] = &[$(($word, Self::$law),)*];
-
             /// Keywords of `contact.law`. Whether the sample is viscous, `[sample]` says.
             pub(super) const WORDS: &[(&str, Self)] =
                 &[
-                    Self::LAWS[0],
-                    Self::LAWS[1],
-                    Self::LAWS[2],
-                    Self::LAWS[3],
+                    $($({
+                        let _ = stringify!($scenes);
+                        ($word, Self::$law)
+                    },)?)*
                     ("table", Self::Sum),
                     ("auto", Self::Auto),
                 ];

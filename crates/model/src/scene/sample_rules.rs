@@ -30,8 +30,11 @@ pub(super) fn viscosity_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     };
     let Some(choice) = misfit(draft, sweep, Law::viscous) else { return Ok(()) };
     let why = match choice.law() {
-        None => "law = \"auto\" may choose JKR, and a viscous contact is not known for it",
-        Some(_) => "a viscous contact is not known for JKR, whose adhesion acts within the contact",
+        None => "law = \"auto\" may choose JKR, and a viscous contact is not known for it".into(),
+        Some(Law::Jkr) => {
+            "a viscous contact is not known for JKR, whose adhesion acts within the contact".into()
+        }
+        Some(law) => format!("a viscous contact is not known for law = \"{law}\""),
     };
     let fault = Fault::at(said.key.clone(), "a viscous sample needs the Hertz or the DMT law").label(why);
     Err(beside_law(fault, draft)
@@ -68,8 +71,11 @@ pub(super) fn relaxation_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     }
     if let Some(choice) = misfit(draft, sweep, Law::relaxing) {
         let why = match choice.law() {
-            None => "law = \"auto\" may choose JKR, and a sample that relaxes is not known for it",
-            Some(_) => "a sample that relaxes is not known for JKR, whose adhesion acts within the contact",
+            None => "law = \"auto\" may choose JKR, and a sample that relaxes is not known for it".into(),
+            Some(Law::Jkr) => {
+                "a sample that relaxes is not known for JKR, whose adhesion acts within the contact".into()
+            }
+            Some(law) => format!("a sample that relaxes is not known for law = \"{law}\""),
         };
         let fault =
             Fault::at(said.key.clone(), "a sample that relaxes needs the Hertz or the DMT law").label(why);

@@ -71,11 +71,12 @@ pub(super) fn layer_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
         .find(|choice| !choice.law().is_some_and(|law| !law.acts() || law.shaped().is_some()));
     let Some(choice) = misfit else { return Ok(()) };
     let why = match choice.law() {
-        None => "law = \"auto\" may choose JKR, which is known for a thick sample alone",
-        Some(Law::Sum) => "a table is the whole force, and knows no layer",
-        Some(_) => "JKR is known for a thick sample alone",
+        None => "law = \"auto\" may choose JKR, which is known for a thick sample alone".into(),
+        Some(Law::Sum) => "a table is the whole force, and knows no layer".into(),
+        Some(Law::Jkr) => "JKR is known for a thick sample alone".into(),
+        Some(law) => format!("law = \"{law}\" is known for a thick sample alone"),
     };
-    Err(beside_law(fault("the law does not know a layer", why), draft)
+    Err(beside_law(fault("the law does not know a layer", &why), draft)
         .expected("law = \"hertz\" or law = \"dmt\" in [contact]")
         .help("set one of them, or remove the thickness"))
 }
@@ -97,12 +98,20 @@ fn law_fits(draft: &Draft, sweep: &SweptAxes, shape: TipShape) -> Checked<()> {
     let misfit = laws_of(draft, sweep).into_iter().find(|choice| !choice.law().is_some_and(known));
     let Some(choice) = misfit else { return Ok(()) };
     let (why, expected) = match choice.law() {
-        None => ("law = \"auto\" may choose JKR, which is known for a paraboloid alone", "law = \"hertz\""),
-        Some(Law::Dmt) => {
-            ("DMT's attraction is that of a round tip", "law = \"hertz\", or a paraboloid or sphere")
+        None => {
+            ("law = \"auto\" may choose JKR, which is known for a paraboloid alone".into(), "law = \"hertz\"")
         }
-        Some(Law::Sum) => ("a table is the whole force, and knows no shape", "law = \"hertz\""),
-        Some(_) => ("JKR is known for a paraboloid alone", "law = \"hertz\", or \"dmt\" under a sphere"),
+        Some(Law::Dmt) => {
+            ("DMT's attraction is that of a round tip".into(), "law = \"hertz\", or a paraboloid or sphere")
+        }
+        Some(Law::Sum) => ("a table is the whole force, and knows no shape".into(), "law = \"hertz\""),
+        Some(Law::Jkr) => {
+            ("JKR is known for a paraboloid alone".into(), "law = \"hertz\", or \"dmt\" under a sphere")
+        }
+        Some(law) => (
+            format!("law = \"{law}\" is known for a paraboloid alone"),
+            "law = \"hertz\", or \"dmt\" under a sphere",
+        ),
     };
     let fault = Fault::at(told, "the law does not know this shape of the tip").label(why);
     Err(beside_law(fault, draft)

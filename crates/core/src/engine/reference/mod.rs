@@ -2,7 +2,7 @@
 //!
 //! It answers what the stepped engines' error is. It shares the instrument, the free motion and the laws'
 //! parameters with them, and neither the stepping nor the forces: the deviation from free motion is integrated with
-//! DOP853 (`tableau.rs`), the laws stand in forms of their own (`reference_force.rs`), every touch, release and turning
+//! DOP853 (`tableau.rs`), the laws stand in forms of their own (`reference_law.rs`), every touch, release and turning
 //! point is located (`step_control.rs`), and observables are integrals over the continuous path (`meter.rs`).
 
 mod dop853;
@@ -10,7 +10,11 @@ mod indenter;
 mod meter;
 mod reference_fixed_point;
 mod reference_force;
+mod reference_jkr;
+mod reference_law;
 mod reference_neck;
+mod reference_relaxing;
+mod reference_viscous;
 mod step_control;
 mod system;
 mod tableau;
@@ -25,6 +29,10 @@ use crate::scene::Run;
 use meter::Meter;
 use nalgebra::Complex;
 use rayon::prelude::*;
+use reference_jkr::ReferenceJkr;
+use reference_law::{NoForce, ReferenceDmt, ReferenceHertz, ReferenceShaped};
+use reference_relaxing::ReferenceRelaxing;
+use reference_viscous::ReferenceViscous;
 use std::f64::consts::TAU;
 use step_control::Integrator;
 use system::System;
