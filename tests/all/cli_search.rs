@@ -141,6 +141,27 @@ fn a_plan_says_that_states_are_searched_for() {
     assert_eq!(json["steady"], "wait");
 }
 
+/// A lever that rings long is searched for from starts that lead to unstable states first: the run counts what gave up, by
+/// reason, in its messages and its object.
+#[test]
+fn a_run_says_how_many_searches_gave_up_and_why() {
+    let desk = Desk::new();
+    let scene = |name: &str| {
+        let text = std::fs::read_to_string(format!("tests/hard/{name}")).unwrap();
+        desk.write(name, &text).to_str().unwrap().to_owned()
+    };
+    let run = |name: &str| {
+        let run = desk.works(&["run", &scene(name), "--overwrite", "-o", "a.h5", "--no-audit", "--json"]);
+        (serde_json::from_str::<serde_json::Value>(&run.out).unwrap(), run.err)
+    };
+    let (json, said) = run("q_1e5_search.toml");
+    let unstable = json["search"]["gave_up"]["unstable"].as_u64().unwrap();
+    assert_eq!(json["search"]["found"], 1);
+    assert!(unstable > 0, "{json}");
+    assert!(said.contains(&format!("gave up, several for some instances: {unstable} unstable")), "{said}");
+    assert!(run("q_1e5.toml").0["search"].is_null());
+}
+
 /// Of a search there is too little to step for a GPU: with `auto` it goes to the CPU and says so to who asks.
 #[test]
 fn auto_leaves_a_long_search_to_the_cpu() {
