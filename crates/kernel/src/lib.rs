@@ -25,6 +25,7 @@ mod flow;
 mod lane;
 mod lanes;
 mod law;
+mod law_text;
 pub mod newton;
 mod operation_form;
 mod pair;

@@ -6,7 +6,8 @@
 use super::constants::ZERO;
 use super::contact::Interaction;
 use super::flow::Flow;
-use super::law::{WithLaw, approach_at, kick_at};
+use super::law::WithLaw;
+use super::law_text::{approach_at, kick_at};
 use super::recorded::Recorded;
 use super::run_sums::RunSums;
 use super::sample::{Sample, Wave};

@@ -153,7 +153,7 @@ impl Meter {
         let share = |n: usize| n as f64 / PIECES as f64;
         let pressing = |u: f64| {
             let (delta, rate) = piece.indentation(system, u);
-            system.force.pressing(delta, rate * system.omega, piece.memory(u)).unwrap_or(0.0)
+            system.force.pressing(delta, rate * system.omega, piece.memory(u))
         };
         for n in 0..PIECES {
             let (from, to) = (share(n), share(n + 1));

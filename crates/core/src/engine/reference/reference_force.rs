@@ -68,7 +68,7 @@ impl ReferenceForce {
 
     /// Under a law that depends on the rate (m/s): positive where the sample presses on the tip, which may end before the tip
     /// is out.
-    pub fn pressing(&self, delta: f64, rate: f64, memory: [f64; 2]) -> Option<f64> {
+    pub fn pressing(&self, delta: f64, rate: f64, memory: [f64; 2]) -> f64 {
         self.law.pressing(delta, rate, memory)
     }
 

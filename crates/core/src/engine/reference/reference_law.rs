@@ -20,8 +20,8 @@ pub(super) trait ReferenceForm: Copy {
     }
 
     /// Under a law with a history: positive where the sample presses on the tip, which may end before the tip is out.
-    fn pressing(&self, _delta: f64, _rate: f64, _memory: [f64; 2]) -> Option<f64> {
-        None
+    fn pressing(&self, delta: f64, _rate: f64, _memory: [f64; 2]) -> f64 {
+        delta
     }
 
     /// Indentation at which contact changes: touch from outside, release from inside; `None` without a sample.
@@ -72,7 +72,7 @@ macro_rules! reference_law {
                 }
             }
 
-            pub fn pressing(&self, delta: f64, rate: f64, memory: [f64; 2]) -> Option<f64> {
+            pub fn pressing(&self, delta: f64, rate: f64, memory: [f64; 2]) -> f64 {
                 match self {
                     $(Self::$law(form) => form.pressing(delta, rate, memory),)*
                 }

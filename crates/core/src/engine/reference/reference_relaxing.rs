@@ -40,8 +40,8 @@ impl ReferenceForm for ReferenceRelaxing {
         [(delta.max(arm * depth) - depth) / tau, (pressed - (1.0 - arm) * sum) / tau]
     }
 
-    fn pressing(&self, delta: f64, _: f64, memory: [f64; 2]) -> Option<f64> {
-        Some(delta - self.arm * memory[0])
+    fn pressing(&self, delta: f64, _: f64, memory: [f64; 2]) -> f64 {
+        delta - self.arm * memory[0]
     }
 }
 

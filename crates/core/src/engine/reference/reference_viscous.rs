@@ -38,7 +38,7 @@ impl ReferenceForm for ReferenceViscous {
         pressed + pull
     }
 
-    fn pressing(&self, delta: f64, rate: f64, _: [f64; 2]) -> Option<f64> {
-        Some(if rate < 0.0 && !self.ad_hoc { (delta + self.tau * rate).min(delta) } else { delta })
+    fn pressing(&self, delta: f64, rate: f64, _: [f64; 2]) -> f64 {
+        if rate < 0.0 && !self.ad_hoc { (delta + self.tau * rate).min(delta) } else { delta }
     }
 }
