@@ -1,5 +1,6 @@
 //! Below what a value is nothing: its error.
 
+use crate::observe::{Observable, Scale};
 use crate::store::{Results, Variable};
 
 /// Variables that only serve others: they stand in the tables and have no picture.
@@ -10,14 +11,15 @@ pub(super) const SCALES: [&str; 1] = ["drive_work"];
 pub(super) fn errors(results: &Results, variable: &Variable) -> Option<Vec<f64>> {
     let data = |name: &str| data(results, name);
     let count = results.status.len();
-    let scales: Vec<f64> = match variable.name.as_str() {
-        "dissipation" | "virial" => data("drive_work")?.to_vec(),
-        "force_max" | "force_min" | "force_mean" => {
+    let observable = Observable::from_name(&variable.name).filter(|_| variable.harmonics.is_none())?;
+    let scales: Vec<f64> = match observable.scale() {
+        Scale::Work | Scale::WorkOrItself => data("drive_work")?.to_vec(),
+        Scale::Force => {
             let sides = [data("force_max")?, data("force_min")?];
             // A side without a value is left aside by max.
             (0..count).map(|i| sides.iter().fold(0.0, |most: f64, side| most.max(side[i].abs()))).collect()
         }
-        "contact_time" => vec![1.0; count],
+        Scale::One if observable == Observable::ContactTime => vec![1.0; count],
         _ => return None,
     };
     let accuracy = accuracy(results);

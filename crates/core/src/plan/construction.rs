@@ -11,7 +11,7 @@ use super::{
 };
 use crate::contact::Compact;
 use crate::instrument::{FreeMotion, Instrument, InstrumentError, Pattern};
-use crate::observe::{Wants, wants};
+use crate::observe::{Scale, Wants, wants};
 use crate::scene::{
     ApproachParams, Axis, Cases, DriveFrequency, Held, Layout, Params, Scene, Steady, SweptAxes,
 };
@@ -29,8 +29,9 @@ impl Plan {
         let asked = wants(&scene.output.observables);
         let holds_force = matches!(scene.base.approach.held, Some(Held::Force(_)));
         let waiting = drives.iter().any(|driven| !driven.kept.waiting.is_empty());
-        let (extremes, viscous) =
-            (asked.extremes || asked.energy || holds_force || waiting, ensemble.has_viscous());
+        let of_force = scene.output.observables.iter().any(|one| one.scale() == Scale::Force);
+        let extremes = asked.extremes || asked.energy || of_force || holds_force || waiting;
+        let viscous = ensemble.has_viscous();
         Ok(Self {
             ids: Ids::All(ensemble.len() as u32),
             resolution: InstanceResolutions::coded(resolution),
@@ -41,7 +42,7 @@ impl Plan {
             wants: Wants {
                 // The mean force tells the branch of a state.
                 energy: asked.energy || scene.run.steady == Steady::Search,
-                // Errors of the mean force, and of energies from rest, are relative to the largest force.
+                // Errors of forces, and of energies from rest, are relative to the largest force.
                 extremes,
                 // Contact time and largest force tell what faint modes lose.
                 contact: asked.contact || waiting,

@@ -58,7 +58,10 @@ pub(super) fn forces_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
         force_is_complete(draft, n, force)?;
     }
     let shape = draft.params.instrument.tip.shape;
-    let round = !matches!(shape, TipShape::Cone | TipShape::Pyramid | TipShape::Punch);
+    let round = matches!(
+        shape,
+        TipShape::Paraboloid | TipShape::Sphere | TipShape::Hyperboloid | TipShape::SpheroCone
+    );
     if !round && contact.outside.iter().any(OutsideForce::needs_radius) {
         return Err(fault("this force is that of a round tip", "it is in proportion to the tip's radius")
             .related(draft.place_of(TIP_SHAPE), "the shape is chosen here")
