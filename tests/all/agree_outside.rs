@@ -32,10 +32,10 @@ const WALLS: OutsideForce = OutsideForce::Hydration {
     phase: 0.0,
 };
 const WAVES: OutsideForce = OutsideForce::Hydration {
-    strength: HydrationStrength::Force(checks::WAVE[0]),
-    decay_length: checks::WAVE[1],
-    period: Some(checks::WAVE[2]),
-    phase: checks::WAVE[3],
+    strength: HydrationStrength::Force(checks::twin_forces::WAVE[0]),
+    decay_length: checks::twin_forces::WAVE[1],
+    period: Some(checks::twin_forces::WAVE[2]),
+    phase: checks::twin_forces::WAVE[3],
 };
 
 const NECK: OutsideForce = OutsideForce::Capillary {

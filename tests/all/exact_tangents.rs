@@ -1,10 +1,10 @@
 //! The slope of a drive period by derivatives carried through its kicks: against differences of periods, against the free
 //! flow in closed form, and against Liouville's theorem, with every law and number of modes.
 
+use crate::checks::kernel_case::{constants, fewest, modes};
 use afmsweep::contact::Law;
 use afmsweep::kernel::{
-    FlowMode, Lane, Lever, MODES_MAX, Real, Room, Rounding, Tangent, Wave, flown, strict_tangent, tangent,
-    tracer,
+    Lane, MODES_MAX, Real, Room, Rounding, Tangent, Wave, flown, strict_tangent, tangent, tracer,
 };
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -16,19 +16,6 @@ const WARM: u32 = 25;
 /// Differences are taken this far from a state, and twice and four times as far. The free amplitude is 20.
 const STEP: f64 = 2e-5;
 
-/// Modes of a lever, slow and fast, one of them beyond its critical damping; frequencies in units of the drive's.
-fn modes(count: usize) -> Vec<FlowMode> {
-    let share = |k: usize| 1.0 / (1.0 + k as f64);
-    let all: f64 = (0..count).map(share).sum();
-    let mode = |k: usize| FlowMode {
-        omega: 1.0 + 1.9 * k as f64,
-        damping: if k % 6 == 5 { 1.2 } else { 0.5 / (10.0 + 5.0 * k as f64) },
-        share: share(k) / all,
-        fast_angle: 1.2,
-    };
-    (0..count).map(mode).collect()
-}
-
 fn steps(count: usize) -> usize {
     64 + 16 * count
 }
@@ -36,55 +23,6 @@ fn steps(count: usize) -> usize {
 fn waves(steps: usize) -> Vec<Wave<f64>> {
     let at = |step: usize| TAU * (step as f64 + 0.5) / steps as f64;
     (0..steps).map(|step| Wave { cosine: at(step).cos(), sine: at(step).sin() }).collect()
-}
-
-/// A memory is a mode beside one of the lever's.
-fn fewest(law: Law) -> usize {
-    1 + usize::from(law.has_memory())
-}
-
-/// What an instance is, in the order of the kernel.
-fn constants(law: Law, count: usize, filled: usize, steps: usize, i: usize) -> Vec<f64> {
-    let step = TAU / steps as f64;
-    // Of the modulus half relaxes; the memory is one of so many modes.
-    let recovery = step / (0.3 + 0.1 * i as f64);
-    let [left, mean] = [(-recovery).exp(), -(-recovery).exp_m1() / recovery];
-    let bent = 0.5 * (1.0 + left) - mean;
-    let lever = match law.has_memory() {
-        true => Lever::new(&modes(count - 1), step, filled).remembering(recovery),
-        false => Lever::new(&modes(count), step, filled),
-    };
-    // Of the mass: a force of 1 is that of the lever's spring at 1.
-    let force = step * step;
-    let of = |field: &&str| match *field {
-        "stiffness" => force * 20.0 * 1.6f64.powi(i as i32 % 4),
-        // Of all powers some.
-        name if name.starts_with("force_") => force * 6.0 / (1.0 + f64::from(name.len() as u32)),
-        "adhesion" => force * 0.4,
-        "unit_force" => force * 0.8,
-        "inverse_decay" => 3.3,
-        "retardation" => 0.2 + 0.1 * i as f64,
-        // Both forms of a viscous contact.
-        "ad_hoc" => f64::from(i as u32 % 2),
-        "relaxing" => 0.5,
-        "left" => left,
-        "mean_left" => mean,
-        "gain" => 2.0 * (1.0 - left),
-        "mean_gain" => 2.0 * (1.0 - mean),
-        "rise_gain" => 2.0 * bent,
-        "mean_rise_gain" => -2.0 * bent / recovery,
-        // Each second one an exponential, and half of them pull.
-        name if name.starts_with("table") => f64::from(u8::from(name.ends_with(['0', '2']))),
-        "forms" => -0.1,
-        "breaks" => -0.6,
-        "scale_0" | "scale_3" => -0.3 * force,
-        "scale_1" | "scale_2" => 0.2 * force,
-        name if name == "inverse_unit" || name.starts_with("inverse_length_") => 2.5,
-        name => panic!("give {name} a value for which the force acts"),
-    };
-    let law = law.fields().iter().map(of);
-    let free = [19.0, 6.0, TAU / steps as f64, 19.2 - 0.37 * i as f64];
-    lever.motion.iter().copied().chain(free).chain(law).chain(lever.energy.iter().copied()).collect()
 }
 
 /// What a step did, as far as it says on which of the law's branches it was.
