@@ -34,9 +34,9 @@ constants! {
     FARTHEST = 0.1;
     /// Beyond so many periods a stride of a search stands for infinitely many: it is Newton's step.
     NEWTON = 1e5;
-    /// Factor on the pseudo-time of the next step where the residual stays the same; where it falls, times as much as it falls ...
+    /// Factor on the pseudo-time after a step that leaves the residual as it is. A step that reduces it counts as much more.
     LONGER = 2.0;
-    /// ... but this at most.
+    /// Largest factor on the pseudo-time after a step.
     LONGEST = 10.0;
     /// Newton's step is accepted if it reduces the residual by this factor at least.
     GAINS = 1.05;

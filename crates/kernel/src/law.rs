@@ -3,9 +3,9 @@
 use crate::Lane;
 use crate::contact::{self, Interaction};
 
-/// Hands the list to the macro `$then`: one line for each law. Whatever has to be written out for each law is made from it.
+/// Hands the list to the macro `$then`: one entry for each law. Whatever has to be written out for each law is made from it.
 ///
-/// A line says the law's variant, its code in results files (its place in the list), its word in scene and results files
+/// An entry says the law's variant, its code in results files (its place in the list), its word in scene and results files
 /// (`in scenes`: a scene may name it), the name of its type (in the kernel and in the main crate's `contact`), and
 ///
 /// - where its adhesion acts; whether it has hysteresis ([`Law::has_hysteresis`]) and a history ([`Law::is_viscous`]);
@@ -28,12 +28,14 @@ macro_rules! laws {
             };
             /// Hertz (1882): elastic, without adhesion.
             Hertz = 1, "hertz" in scenes, Hertz {
-                attraction: None, hysteresis: false, history: false, kin: [Viscous: ViscousHertz, Relaxing: RelaxingHertz, Shaped: ShapedHertz, Summed: Sum],
+                attraction: None, hysteresis: false, history: false,
+                kin: [Viscous: ViscousHertz, Relaxing: RelaxingHertz, Shaped: ShapedHertz, Summed: Sum],
                 reference: ReferenceHertz, wide: [1 2], narrow: [3 4 6 8 24]
             };
             /// Derjaguin, Muller & Toporov (1975): adhesion acts from outside the contact.
             Dmt = 2, "dmt" in scenes, Dmt {
-                attraction: Distant, hysteresis: false, history: false, kin: [Viscous: ViscousDmt, Relaxing: RelaxingSum, Shaped: ShapedDmt, Summed: Sum],
+                attraction: Distant, hysteresis: false, history: false,
+                kin: [Viscous: ViscousDmt, Relaxing: RelaxingSum, Shaped: ShapedDmt, Summed: Sum],
                 reference: ReferenceDmt, wide: [1 2 3 4], narrow: [6 8 24]
             };
             /// Johnson, Kendall & Roberts (1971): adhesion acts within the contact.
@@ -68,7 +70,8 @@ macro_rules! laws {
             };
             /// A contact with up to four forces beside it that are tabulated.
             Sum = 9, "sum", ForceSum {
-                attraction: Distant, hysteresis: false, history: false, kin: [Viscous: ViscousSum, Relaxing: RelaxingSum, Summed: Sum],
+                attraction: Distant, hysteresis: false, history: false,
+                kin: [Viscous: ViscousSum, Relaxing: RelaxingSum, Summed: Sum],
                 reference: ReferenceShaped, wide: [], narrow: [2 8 24]
             };
             /// The same, where one of the forces acts only from where it forms to where it breaks.

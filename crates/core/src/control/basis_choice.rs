@@ -1,4 +1,4 @@
-//! The choice of each instance's basis, by a sample of instances with smaller and richer ones.
+//! The choice of each instance's basis, by a sample of instances with poorer and richer ones.
 
 use super::basis_rule_table::BasisRuleTable;
 use super::basis_trials::{self, BasisTrial, StiffnessRank, TrialCosts};
@@ -24,8 +24,8 @@ pub(super) struct BasisTrialSet {
 /// The plan with the basis that each instance needs.
 pub(super) struct BasisChoice {
     pub plan: Plan,
-    /// Rule of each instance's next smaller basis. None if the sample has all instances.
-    pub smaller: Option<BasisRuleTable>,
+    /// Rule of each instance's next poorer basis. None if the sample has all instances.
+    pub poorer: Option<BasisRuleTable>,
     /// Truncation error of each instance, from the sample. Empty if it is zero.
     pub truncation: Vec<f64>,
 }
@@ -77,11 +77,11 @@ pub(super) fn choose_bases(plan: &Plan, stepped: &[u32], tried: Option<&BasisTri
         bases.choose(i, stiffness, of_kind);
     });
     // The trials cover a sample of all instances, unless a basis must be checked by the instance's own difference.
-    let poorer = (usual.len() > sample.len() || bases.any_smaller).then_some(bases.smaller);
-    BasisChoice { plan: bases.rebasing.plan, smaller: poorer, truncation: bases.truncation }
+    let poorer = (usual.len() > sample.len() || bases.any_poorer).then_some(bases.poorer);
+    BasisChoice { plan: bases.rebasing.plan, poorer, truncation: bases.truncation }
 }
 
-/// Keeps the plan's bases. If there are fast contacts, first runs have the next smaller ones.
+/// Keeps the plan's bases. If there are fast contacts, first runs have the next poorer ones.
 fn as_planned(plan: &Plan, some_fast: bool) -> BasisChoice {
     let count = plan.len();
     let poorer = some_fast.then(|| {
@@ -89,7 +89,7 @@ fn as_planned(plan: &Plan, some_fast: bool) -> BasisChoice {
         (0..count as u32).for_each(|i| poorer.put(i, next_poorer(plan.basis_rule(i))));
         poorer
     });
-    BasisChoice { plan: plan.clone(), smaller: poorer, truncation: Vec::new() }
+    BasisChoice { plan: plan.clone(), poorer, truncation: Vec::new() }
 }
 
 fn next_poorer(basis: BasisRule) -> BasisRule {
@@ -133,24 +133,18 @@ impl KindTrials {
 struct BasisAssignment<'a> {
     plan: &'a Plan,
     rebasing: Rebasing,
-    /// Smaller basis of each instance.
-    smaller: BasisRuleTable,
+    /// Poorer basis of each instance.
+    poorer: BasisRuleTable,
     truncation: Vec<f64>,
-    /// Whether any chosen basis has a smaller one.
-    any_smaller: bool,
+    /// Whether any chosen basis has a poorer one.
+    any_poorer: bool,
 }
 
 impl<'a> BasisAssignment<'a> {
     fn new(plan: &'a Plan) -> Self {
         let poorer = BasisRuleTable::of(plan.len(), BasisRule::Shares { accuracy: plan.run.accuracy });
         let left_out = vec![0.0; plan.len()];
-        Self {
-            plan,
-            rebasing: Rebasing::new(plan),
-            smaller: poorer,
-            truncation: left_out,
-            any_smaller: false,
-        }
+        Self { plan, rebasing: Rebasing::new(plan), poorer, truncation: left_out, any_poorer: false }
     }
 
     /// Keeps the plan's basis of a fast contact.
@@ -173,7 +167,7 @@ impl<'a> BasisAssignment<'a> {
             let richest = BasisRule::Shares { accuracy: least };
             self.put(i, (richest, shares(n)), self.plan.policy.left_of_steps * left);
         } else {
-            // No basis of the trial serves. The contact gets its own basis, which the next smaller one verifies.
+            // No basis of the trial serves. The contact gets its own basis, which the next poorer one verifies.
             let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });
             let cost = if own.poorer().is_some() { 0.0 } else { least };
             self.put(i, (own, next_poorer(own)), cost);
@@ -182,8 +176,8 @@ impl<'a> BasisAssignment<'a> {
 
     fn put(&mut self, i: u32, (own, poorer): (BasisRule, BasisRule), cost: f64) {
         self.rebasing.give(i, own);
-        self.any_smaller |= own.poorer().is_some();
-        self.smaller.put(i, poorer);
+        self.any_poorer |= own.poorer().is_some();
+        self.poorer.put(i, poorer);
         self.truncation[i as usize] = cost;
     }
 }

@@ -21,7 +21,7 @@ struct ChunkWork<'a> {
     choices: &'a Choices,
     /// Truncation error of each instance of the plan; see [`basis_choice::BasisChoice`].
     truncation: Vec<f64>,
-    /// Smaller basis of each instance of the plan; see [`EstimateInputs`].
+    /// Poorer basis of each instance of the plan; see [`EstimateInputs`].
     poorer_basis: Option<BasisRuleTable>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
@@ -105,9 +105,9 @@ pub(super) fn run<'k>(
     progress: &Progress,
 ) -> Result<JournaledRun<'k>, EngineError> {
     let stepped = planned.stepped();
-    let BasisChoice { mut plan, smaller, truncation } = match choices.course {
+    let BasisChoice { mut plan, poorer, truncation } = match choices.course {
         Course::Controlled => basis_choice::choose_bases(&planned, &stepped, choices.bases.as_ref()),
-        _ => BasisChoice { plan: planned.clone(), smaller: None, truncation: Vec::new() },
+        _ => BasisChoice { plan: planned.clone(), poorer: None, truncation: Vec::new() },
     };
     (plan.precision, plan.precision_open) = (choices.precision.precision, false);
     // Release the list: there may be very many instances.
@@ -117,7 +117,7 @@ pub(super) fn run<'k>(
     drop(planned);
     let mut whole = JournaledRun::not_begun(plan, choices, division, keep);
     let work =
-        ChunkWork { choices, truncation, poorer_basis: smaller, stepped: some_stepped, engine, progress };
+        ChunkWork { choices, truncation, poorer_basis: poorer, stepped: some_stepped, engine, progress };
     let wanted = take_known(&mut whole, keep);
     let all: u64 = wanted.iter().map(|number| whole.chunk(*number).len() as u64).sum();
     let held = (wanted.len() > 1).then(|| progress.hold(&["run in portions"], all));

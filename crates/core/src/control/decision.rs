@@ -55,8 +55,7 @@ pub(super) fn next(known: &InstanceSummary, policy: &Policy) -> Next {
         _ => return Next::Accept,
     }
     // The force that a failed run measured means nothing.
-    let resonances_lead = parts.of_resonances > parts.of_steps.max(parts.of_modes);
-    if resonances_lead && known.status == Status::Ok {
+    if parts.resonances_lead() && known.status == Status::Ok {
         return Next::WaitingModes;
     }
     // More steps do not help if the truncation error dominates. That is known once two runs had the same basis.

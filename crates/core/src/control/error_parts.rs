@@ -47,6 +47,11 @@ impl ErrorParts {
         self.of_modes + self.of_steps + self.of_resonances
     }
 
+    /// Whether the waiting modes are the largest part.
+    pub fn resonances_lead(&self) -> bool {
+        self.of_resonances > self.of_steps.max(self.of_modes)
+    }
+
     /// Updates the parts after a run with more steps: instance `i` of `plan`, which differs by `apart` from the run before.
     pub fn after_more_steps(&mut self, (plan, i): (&Plan, u32), apart: f64, measured: &Measured) {
         if let Some(first) = self.unsplit.take() {

@@ -4,7 +4,7 @@ use super::choices::Choices;
 use super::first_estimate::EstimateInputs;
 use super::step_reduction::half_steps;
 use super::{ChunkRun, precision_trial, refinement};
-use crate::engine::{Engine, EngineError, Outcome, Progress};
+use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::Status;
 use crate::orbit::OrbitSolution;
 use crate::plan::{Plan, Precision};
@@ -29,7 +29,7 @@ pub(super) fn marked(
 impl ChunkRun {
     /// A run before its first step.
     pub(super) fn not_begun(plan: Plan, choices: &Choices) -> Self {
-        let settled = OrbitSolution::without_states(Outcome { ends: Vec::new(), ..Outcome::of(&plan) });
+        let settled = OrbitSolution { found: Vec::new(), ..OrbitSolution::not_run(&plan) };
         let arithmetic = choices.precision.arithmetic(plan.len());
         Self::unestimated(plan, settled, arithmetic)
     }
@@ -72,7 +72,7 @@ impl ChunkRun {
 mod tests {
     use super::*;
     use crate::control;
-    use crate::engine::Cpu;
+    use crate::engine::{Cpu, Outcome};
     use crate::scene::Scene;
     use std::path::Path;
     use std::sync::atomic::{AtomicUsize, Ordering};

@@ -125,8 +125,8 @@ impl SecondRefinement {
     fn add_waiting_modes(&mut self, stepped: &[u32], pieces: &CheckpointedSearch) -> Result<(), EngineError> {
         let asked = |n: &&u32| {
             let known = &self.known[**n as usize];
-            let leads = known.of_resonances > known.of_steps.max(known.of_modes);
-            leads && known.error() > self.aim() && self.others[**n as usize].finished.status == Status::Ok
+            let ok = self.others[**n as usize].finished.status == Status::Ok;
+            ok && known.resonances_lead() && known.error() > self.aim()
         };
         let waiting: Vec<u32> = stepped.iter().filter(asked).copied().collect();
         let with = self.plan.part(&waiting).with_waiting_modes();

@@ -94,9 +94,8 @@ pub struct OrbitSolution {
 impl OrbitSolution {
     /// The plan's instances before any run.
     pub fn not_run(plan: &Plan) -> Self {
-        let count = plan.len();
         let outcome = Outcome { ends: Vec::new(), ..Outcome::of(plan) };
-        Self { outcome, found: vec![None; count], periods: vec![0; count], jumps: Vec::new() }
+        Self { found: vec![None; plan.len()], ..Self::without_states(outcome) }
     }
 
     /// Results that no search found.

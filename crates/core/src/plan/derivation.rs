@@ -136,10 +136,10 @@ impl Plan {
         self.with_richer(|driven, _, run| with_waiting(driven, run))
     }
 
-    /// Uses the `larger` basis of each instance, if there is one.
+    /// Uses the `richer` basis of each instance, if there is one.
     fn with_richer(
         mut self,
-        larger: impl Fn(&Driven, RateOctave, &Run) -> Option<Arc<ReducedBasis>>,
+        richer: impl Fn(&Driven, RateOctave, &Run) -> Option<Arc<ReducedBasis>>,
     ) -> Self {
         let mut made: HashMap<(u32, RateOctave), u32> = HashMap::new();
         for i in self.instances() {
@@ -147,7 +147,7 @@ impl Plan {
             let driven = self.driven(i).clone();
             let octave = driven.octave(&case.contact, case.gap);
             let drive = *made.entry((case.drive, octave)).or_insert_with(|| {
-                let Some(kept) = larger(&driven, octave, &self.run) else { return case.drive };
+                let Some(kept) = richer(&driven, octave, &self.run) else { return case.drive };
                 self.drives.push(Driven { kept, ..driven });
                 self.drives.len() as u32 - 1
             });

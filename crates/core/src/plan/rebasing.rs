@@ -29,12 +29,8 @@ impl Plan {
     /// Gives every instance the resonant modes that wait: a run that nothing refines does not ask for them later.
     #[must_use]
     pub fn resonant(self) -> Self {
-        let waiting = |i: &u32| !self.driven(*i).kept.waiting.is_empty();
-        let with = |i| match self.basis_rule(i) {
-            BasisRule::Shares { accuracy } => Some((i, BasisRule::Resonant { accuracy })),
-            _ => None,
-        };
-        let wanted: Vec<_> = self.instances().filter(waiting).filter_map(with).collect();
+        let with = |i| Some((i, resonant_rule(self.driven(i))?));
+        let wanted: Vec<_> = self.instances().filter_map(with).collect();
         if wanted.is_empty() { self } else { self.with_bases(&wanted) }
     }
 }
@@ -115,11 +111,11 @@ impl Bases {
     }
 }
 
-/// Larger bases are looked for at accuracies finer by this factor, one after the other.
+/// Richer bases are looked for at accuracies finer by this factor, one after the other.
 const RICHER_ACCURACY_RATIO: f64 = 0.25;
 const MAX_RICHER_TRIES: usize = 8;
 
-/// The next larger basis for contacts of this octave; `None` if no larger one can be stepped, or the basis is prescribed.
+/// The next richer basis for contacts of this octave; `None` if no richer one can be stepped, or the basis is prescribed.
 pub(super) fn next_richer(driven: &Driven, octave: RateOctave, run: &Run) -> Option<Arc<ReducedBasis>> {
     if run.modes.is_some() {
         return None;
@@ -138,14 +134,19 @@ pub(super) fn next_richer(driven: &Driven, octave: RateOctave, run: &Run) -> Opt
     }
 }
 
-/// An instance's basis with the modes that a harmonic of the drive meets; `None` if it has them.
-pub(super) fn with_waiting(driven: &Driven, run: &Run) -> Option<Arc<ReducedBasis>> {
+/// The rule that adds the modes that wait to a drive's basis; `None` if none does.
+fn resonant_rule(driven: &Driven) -> Option<BasisRule> {
     match driven.kept.rule {
         BasisRule::Shares { accuracy } if !driven.kept.waiting.is_empty() => {
-            Some(reduced_by(driven, BasisRule::Resonant { accuracy }, run))
+            Some(BasisRule::Resonant { accuracy })
         }
         _ => None,
     }
+}
+
+/// A drive's basis with the modes that wait; `None` if none does.
+pub(super) fn with_waiting(driven: &Driven, run: &Run) -> Option<Arc<ReducedBasis>> {
+    Some(reduced_by(driven, resonant_rule(driven)?, run))
 }
 
 /// The smallest basis for contacts of this octave with more than `modes` oscillators.
