@@ -88,6 +88,12 @@ pub(super) fn start(scene: &Scene) -> anyhow::Result<Value> {
         if scene.base.instrument.actuator.model == ActuatorModel::Rigid {
             instrument.insert("actuator".into(), json!({ "model": "rigid" }));
         }
+        // The page offers what it finds.
+        if let Some(Value::Object(tip)) = instrument.get_mut("tip")
+            && !scene.base.instrument.tip.shape.has_radius()
+        {
+            tip.remove("radius");
+        }
     }
     let mut run = Map::new();
     run.insert("steady".into(), "search".into());

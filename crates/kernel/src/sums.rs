@@ -96,7 +96,8 @@ macro_rules! sums {
         impl<L: Lane> PeriodSums<L> {
             /// Before the first step.
             #[inline(always)]
-            pub(crate) fn new() -> Self {
+            #[allow(clippy::new_without_default)]
+            pub fn new() -> Self {
                 Self { $($($name: How::$how.start(),)*)* }
             }
 

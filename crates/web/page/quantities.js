@@ -97,23 +97,12 @@ function addLever() {
 }
 
 const tipShape = at(START.base, 'instrument.tip.shape') ?? 'paraboloid';
-const roundTip = tipShape === 'paraboloid' || tipShape === 'sphere';
 
+/** The scene has a radius and a half-angle where they belong to the tip's shape. */
 function addTip() {
-  if (tipShape !== 'cone' && tipShape !== 'pyramid') {
-    addQuantity(
-      'Tip',
-      'r',
-      'instrument.tip.radius',
-      tipShape === 'punch' ? "Face's radius" : 'Tip radius',
-      'm',
-      1e-9,
-      300e-9,
-    );
-  }
-  if (!roundTip && tipShape !== 'punch') {
-    addQuantity('Tip', 'ha', 'instrument.tip.half_angle', 'Half-angle', 'degree', 5, 80, { lin: true });
-  }
+  const radius = tipShape === 'punch' ? "Face's radius" : 'Tip radius';
+  addQuantity('Tip', 'r', 'instrument.tip.radius', radius, 'm', 1e-9, 300e-9);
+  addQuantity('Tip', 'ha', 'instrument.tip.half_angle', 'Half-angle', 'degree', 5, 80, { lin: true });
 }
 
 const otherForces = has('contact.outside') || has('contact.table');

@@ -77,7 +77,9 @@ const losesEnergy = () => ['lt', 'eta', 'tr'].some((id) => hasQuantity(id) && va
 function lawRefused(law) {
   if (law === 'hertz') return '';
   const lossy = losesEnergy();
-  if (law === 'dmt') return roundTip ? '' : 'Adhesion is known for a round tip only.';
+  if (law === 'dmt') {
+    return ['paraboloid', 'sphere'].includes(tipShape) ? '' : 'DMT knows the paraboloid and the sphere alone.';
+  }
   if (lossy) return 'A viscous contact is not known with JKR. Set the loss to zero first.';
   if (relaxing) return 'A sample that relaxes is known with Hertz and DMT only.';
   if (remembers) return 'A force that remembers is known with Hertz and DMT only.';

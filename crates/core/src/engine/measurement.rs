@@ -5,7 +5,7 @@ use super::kernel_constants::force_scale;
 use super::start;
 use crate::contact::{Law, Passed};
 use crate::kernel::{LENGTH, RunSums};
-use crate::observe::{Measured, Status, Wants};
+use crate::observe::{Measured, MeasuredSums, Status, Wants};
 use crate::plan::{Case, Driven};
 use crate::scene::{Run, Start};
 use nalgebra::Complex;
@@ -110,16 +110,15 @@ pub(super) fn finish(sums: &Sums, case: &Case, driven: &Driven, run: &Run, wants
         }
     }
     let force = force_scale(driven, case.steps);
-    if wants.contact {
-        measured.contact_time = run_sums.sums.time / sums.steps;
-        measured.contacts = run_sums.sums.begun / sums.periods;
-    }
-    if wants.energy {
-        measured.force_mean = run_sums.sums.impulse / sums.steps / force;
-        measured.dissipation = -run_sums.sums.work / sums.periods / force * LENGTH;
-        measured.virial = run_sums.sums.virial / sums.steps / force * LENGTH;
-        measured.deflection_mean = driven.free.bending * measured.force_mean;
-    }
+    let summed = MeasuredSums {
+        sums: run_sums.sums,
+        periods: sums.periods,
+        span: sums.steps,
+        force,
+        length: LENGTH,
+        bending: driven.free.bending,
+    };
+    measured.take_sums(Some(&summed), wants);
     if wants.extremes {
         let passed = passed(run_sums, force);
         (measured.force_min, measured.force_max) = case.contact.law().forces(&passed);
@@ -157,13 +156,7 @@ pub(super) fn finish_free(gap: f64, driven: &Driven, wants: Wants) -> Finished {
     measured.harmonics[..wants.harmonics].fill(0.0);
     measured.harmonics[0] = driven.free_amplitude();
     fundamental(&mut measured, driven.free.tip, driven);
-    if wants.contact {
-        (measured.contact_time, measured.contacts) = (0.0, 0.0);
-    }
-    if wants.energy {
-        (measured.force_mean, measured.dissipation, measured.virial) = (0.0, 0.0, 0.0);
-        measured.deflection_mean = 0.0;
-    }
+    measured.take_sums(None, wants);
     if wants.extremes {
         (measured.force_min, measured.force_max) = (0.0, 0.0);
     }

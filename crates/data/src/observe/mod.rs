@@ -4,6 +4,7 @@
 
 mod status;
 
+use crate::kernel::PeriodSums;
 pub use crate::kernel::{HARMONICS, Wants};
 pub use status::Status;
 
@@ -84,9 +85,10 @@ observables! {
     Gap, gap, "m", "gap between the tip at rest and the surface", FUNDAMENTAL, Length;
 }
 
-/// From the list of numbers beside the harmonics, in an order that a run's journal has too: a new one is its last.
+/// From the list of numbers beside the harmonics, in an order that a run's journal has too: a new one is its last. One that
+/// follows from sums of a period names their group and says how.
 macro_rules! measured {
-    ($($(#[$doc:meta])* $field:ident,)*) => {
+    ($($(#[$doc:meta])* $field:ident $(= $group:ident, $value:expr)?;)*) => {
         /// One instance's measurements, SI units, over the measured periods. What was not wanted is NaN.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Measured {
@@ -118,41 +120,71 @@ macro_rules! measured {
                 fields.into_iter().zip(&numbers[HARMONICS..]).for_each(|(field, number)| *field = *number);
                 measured
             }
+
+            /// Sets those that follow from sums, as far as they are wanted; without sums, in free motion, to 0.
+            pub fn take_sums(&mut self, sums: Option<&MeasuredSums>, wants: Wants) {
+                $($(if wants.$group {
+                    let value: fn(&MeasuredSums) -> f64 = $value;
+                    self.$field = sums.map_or(0.0, value);
+                })?)*
+            }
         }
     };
 }
 
+/// The sums of a run's measured periods, and what turns them into SI units.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasuredSums {
+    pub sums: PeriodSums<f64>,
+    /// Measured periods; and their steps, or their length in the unit of time over which an engine integrates.
+    pub periods: f64,
+    pub span: f64,
+    /// Of a newton times one of `span`, what is summed.
+    pub force: f64,
+    /// The unit of length, m.
+    pub length: f64,
+    /// What a steady force bends the lever, m/N.
+    pub bending: f64,
+}
+
+impl MeasuredSums {
+    /// N
+    fn mean_force(&self) -> f64 {
+        self.sums.impulse / self.span / self.force
+    }
+}
+
 measured! {
     /// Degree.
-    phase,
+    phase;
     /// N
-    force_max,
+    force_max;
     /// N
-    force_min,
+    force_min;
     /// N
-    force_mean,
+    force_mean = energy, |of| of.mean_force();
     /// m
-    indentation_max,
+    indentation_max;
     /// Share of the period.
-    contact_time,
+    contact_time = contact, |of| of.sums.time / of.span;
     /// J per period.
-    dissipation,
+    dissipation = energy, |of| -of.sums.work / of.periods / of.force * of.length;
     /// J
-    virial,
+    virial = energy, |of| of.sums.virial / of.span / of.force * of.length;
     /// Per period.
-    contacts,
+    contacts = contact, |of| of.sums.begun / of.periods;
     /// m
-    deflection_amplitude,
+    deflection_amplitude;
     /// Degree.
-    deflection_phase,
+    deflection_phase;
     /// m
-    deflection_mean,
+    deflection_mean = energy, |of| of.bending * of.mean_force();
     /// Degree.
-    free_phase,
+    free_phase;
     /// Hz
-    frequency_shift,
+    frequency_shift;
     /// m
-    gap,
+    gap;
 }
 
 /// What all of these observables need an engine to sum.

@@ -57,15 +57,11 @@ pub(super) fn forces_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     for (n, force) in contact.outside.iter().enumerate() {
         force_is_complete(draft, n, force)?;
     }
-    let shape = draft.params.instrument.tip.shape;
-    let round = matches!(
-        shape,
-        TipShape::Paraboloid | TipShape::Sphere | TipShape::Hyperboloid | TipShape::SpheroCone
-    );
-    if !round && contact.outside.iter().any(OutsideForce::needs_radius) {
+    let round = |shape: TipShape| shape.end() == TipEnd::Round;
+    if !round(draft.params.instrument.tip.shape) && contact.outside.iter().any(OutsideForce::needs_radius) {
         return Err(fault("this force is that of a round tip", "it is in proportion to the tip's radius")
             .related(draft.place_of(TIP_SHAPE), "the shape is chosen here")
-            .expected("a paraboloid, sphere or hyperboloid")
+            .expected(format!("a {}", TipShape::listed(round, "or")))
             .help("take such a shape, or give the force as a table"));
     }
     match laws.contains(&LawChoice::Sum) {

@@ -38,7 +38,7 @@ impl Scene {
         self.write_modes(text)?;
         writeln!(text, "\n[instrument.tip]")?;
         if base.instrument.tip.shape != TipShape::default() {
-            writeln!(text, "shape = {}", word(&TipShape::WORDS, base.instrument.tip.shape))?;
+            writeln!(text, "shape = {}", word(TipShape::WORDS, base.instrument.tip.shape))?;
         }
         self.write_section(text, "instrument.tip")?;
         writeln!(text, "\n[sample]")?;

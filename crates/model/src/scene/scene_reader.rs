@@ -313,7 +313,7 @@ impl Draft {
             self.faults.take(read);
         }
         if let Some(table) = self.section(table, "instrument.tip", &["shape"])
-            && let Some(shape) = self.choice(table, TIP_SHAPE, &TipShape::WORDS)
+            && let Some(shape) = self.choice(table, TIP_SHAPE, TipShape::WORDS)
         {
             self.params.instrument.tip.shape = shape;
         }

@@ -111,7 +111,7 @@ impl Texts<'_> {
                 ]
             }
             "sample" => vec![("bonded", json!({ "type": "boolean" }))],
-            "instrument.tip" => vec![("shape", word(&TipShape::WORDS))],
+            "instrument.tip" => vec![("shape", word(TipShape::WORDS))],
             "drive" => vec![("on", word(&DRIVE_ON))],
             "approach" => {
                 vec![("setpoint_branch", word(&BRANCHES_HELD)), ("setpoint_of", word(&SETPOINTS_OF))]

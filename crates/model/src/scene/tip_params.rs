@@ -17,44 +17,73 @@ pub struct TipParams {
     pub poisson_ratio: f64,
 }
 
-/// What the tip looks like where it touches.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum TipShape {
+/// From the list of shapes: the word in `instrument.tip.shape`, how the tip ends, whether it has a half-angle.
+macro_rules! tip_shapes {
+    ($($(#[$doc:meta])* $shape:ident, $word:literal, $end:ident, $angle:literal;)*) => {
+        /// What the tip looks like where it touches.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+        pub enum TipShape {
+            #[default]
+            $($(#[$doc])* $shape,)*
+        }
+
+        impl TipShape {
+            /// Keywords of `instrument.tip.shape`.
+            pub(super) const WORDS: &[(&str, Self)] = &[$(($word, Self::$shape),)*];
+
+            /// How it ends.
+            pub fn end(self) -> TipEnd {
+                match self { $(Self::$shape => TipEnd::$end,)* }
+            }
+
+            /// Whether a half-angle belongs to what describes it.
+            pub fn has_angle(self) -> bool {
+                match self { $(Self::$shape => $angle,)* }
+            }
+        }
+    };
+}
+
+/// How a tip ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TipEnd {
+    /// With an apex that has a radius; forces in proportion to the radius act on it.
+    Round,
+    /// With a face that has a radius.
+    Flat,
+    /// In a point.
+    Point,
+}
+
+tip_shapes! {
     /// A paraboloid of revolution: a sphere while the indentation is small beside it.
-    #[default]
-    Paraboloid,
-    Sphere,
-    Cone,
+    Paraboloid, "paraboloid", Round, false;
+    Sphere, "sphere", Round, false;
+    Cone, "cone", Point, true;
     /// Four-sided.
-    Pyramid,
+    Pyramid, "pyramid", Point, true;
     /// With a flat round face.
-    Punch,
+    Punch, "punch", Flat, false;
     /// A cone whose end is rounded: a hyperboloid of revolution.
-    Hyperboloid,
+    Hyperboloid, "hyperboloid", Round, true;
     /// A cone with a spherical cap.
-    SpheroCone,
+    SpheroCone, "sphero-cone", Round, true;
 }
 
 impl TipShape {
-    /// Keywords of `instrument.tip.shape`.
-    pub(super) const WORDS: [(&str, Self); 7] = [
-        ("paraboloid", Self::Paraboloid),
-        ("sphere", Self::Sphere),
-        ("cone", Self::Cone),
-        ("pyramid", Self::Pyramid),
-        ("punch", Self::Punch),
-        ("hyperboloid", Self::Hyperboloid),
-        ("sphero-cone", Self::SpheroCone),
-    ];
-
-    /// Whether a half-angle belongs to what describes it.
-    pub fn has_angle(self) -> bool {
-        matches!(self, Self::Cone | Self::Pyramid | Self::Hyperboloid | Self::SpheroCone)
+    /// Whether a radius belongs to what describes it.
+    pub fn has_radius(self) -> bool {
+        self.end() != TipEnd::Point
     }
 
-    /// Whether a radius does.
-    pub fn has_radius(self) -> bool {
-        !matches!(self, Self::Cone | Self::Pyramid)
+    /// The words of all shapes that are like this, as a sentence lists them; `joint` stands before the last.
+    pub(super) fn listed(are: impl Fn(Self) -> bool, joint: &str) -> String {
+        let words: Vec<_> =
+            Self::WORDS.iter().filter(|(_, shape)| are(*shape)).map(|(word, _)| *word).collect();
+        match words.as_slice() {
+            [first @ .., last] if !first.is_empty() => format!("{} {joint} {last}", first.join(", ")),
+            _ => words.concat(),
+        }
     }
 }
 

@@ -17,20 +17,23 @@ pub(super) fn shape_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let told = draft.place_of(TIP_SHAPE);
     if shape.has_angle() && angle.is_none() {
         return Err(Fault::at(told, "the tip's shape lacks its half-angle")
-            .label("a cone, a pyramid, a hyperboloid and a sphero-cone have one")
+            .label(format!("a {} has one", TipShape::listed(TipShape::has_angle, "or")))
             .expected("half_angle in [instrument.tip]: from the axis to the side, or to the pyramid's face")
             .help("add a line such as half_angle = \"20 deg\""));
     }
     if let (Some(said), false) = (angle, shape.has_angle()) {
         return Err(Fault::at(said.key.clone(), "`instrument.tip.half_angle` has no effect here")
             .label("this tip has no half-angle")
-            .expected("shape = \"cone\", \"pyramid\", \"hyperboloid\" or \"sphero-cone\" in [instrument.tip]")
+            .expected(format!(
+                "a shape that has one in [instrument.tip]: {}",
+                TipShape::listed(TipShape::has_angle, "or")
+            ))
             .help("set one of them, or remove this line"));
     }
     let swept = draft.said.iter().find(|said| said.swept && said.path == RADIUS);
     if let Some(said) = swept.filter(|_| !shape.has_radius()) {
         return Err(Fault::at(said.key.clone(), "`instrument.tip.radius` has no effect here")
-            .label("a cone and a pyramid end in a point")
+            .label(format!("a {} ends in a point", TipShape::listed(|shape| !shape.has_radius(), "or")))
             .related(told, "the shape is chosen here")
             .expected("an axis that changes the result")
             .help("take another shape, or remove this axis"));

@@ -2,6 +2,7 @@
 
 use super::dop853::Dense;
 use super::system::System;
+use crate::kernel::PeriodSums;
 use crate::observe::{HARMONICS, Wants};
 use crate::periodic::{highest, root};
 
@@ -57,15 +58,9 @@ pub(super) struct Meter {
     /// Integrals of the travel beyond the steady free one times cosine and sine, this period.
     pub cosine: [f64; HARMONICS],
     pub sine: [f64; HARMONICS],
-    /// Time in contact, rad; contacts begun.
-    pub time: f64,
-    pub begun: f64,
+    /// In SI units; a total over steps is an integral over the phase, rad.
+    pub sums: PeriodSums<f64>,
     pub touched: bool,
-    /// Whether some of it was out of contact.
-    pub parted: bool,
-    pub deepest: f64,
-    pub force_min: f64,
-    pub force_max: f64,
     /// Whether a viscous sample presses on the tip; unknown before the first step.
     pressed: Option<bool>,
     harmonics: usize,
@@ -76,13 +71,8 @@ impl Meter {
         Self {
             cosine: [0.0; HARMONICS],
             sine: [0.0; HARMONICS],
-            time: 0.0,
-            begun: 0.0,
+            sums: PeriodSums::new(),
             touched: false,
-            parted: false,
-            deepest: f64::NEG_INFINITY,
-            force_min: f64::INFINITY,
-            force_max: f64::NEG_INFINITY,
             pressed: None,
             harmonics: wants.harmonics.max(1),
         }
@@ -91,9 +81,9 @@ impl Meter {
     /// Records an indentation passed at a rate (m per rad), the law's memory being this.
     pub fn see(&mut self, system: &System, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2]) {
         let force = system.force.at(delta, || rate() * system.omega, memory, system.branch);
-        self.deepest = self.deepest.max(delta);
-        self.force_min = self.force_min.min(force);
-        self.force_max = self.force_max.max(force);
+        self.sums.deepest = self.sums.deepest.max(delta);
+        self.sums.weakest = self.sums.weakest.min(force);
+        self.sums.strongest = self.sums.strongest.max(force);
     }
 
     /// Adds a step with turning points at the shares `turns` of it; `first` and `last` are the indentations at its ends.
@@ -117,10 +107,10 @@ impl Meter {
         if system.force.is_viscous() {
             self.pass_viscous(system, piece);
         } else if system.branch.touching {
-            self.time += piece.h;
+            self.sums.time += piece.h;
         }
         self.touched |= system.branch.touching;
-        self.parted |= !system.branch.touching;
+        self.part(!system.branch.touching);
     }
 
     /// Records the extreme forces within a step where they need not be at the extremes of the indentation.
@@ -137,8 +127,8 @@ impl Meter {
                 let top = |u: f64| sign * force(u);
                 if top(middle) > top(from).max(top(to)) - 0.25 * (top(from) - top(to)).abs() {
                     let extreme = force(highest(from, to, top));
-                    self.force_min = self.force_min.min(extreme);
-                    self.force_max = self.force_max.max(extreme);
+                    self.sums.weakest = self.sums.weakest.min(extreme);
+                    self.sums.strongest = self.sums.strongest.max(extreme);
                 }
             }
         }
@@ -158,12 +148,17 @@ impl Meter {
         for n in 0..PIECES {
             let (from, to) = (share(n), share(n + 1));
             let (before, after) = (pressing(from) > 0.0, pressing(to) > 0.0);
-            self.parted |= !(before && after);
+            self.part(!(before && after));
             let change = if before == after { to } else { root(from, to, pressing) };
-            self.time += piece.h * if before { change - from } else { to - change };
-            self.begun += f64::from(u8::from(after && !self.pressed.unwrap_or(before)));
+            self.sums.time += piece.h * if before { change - from } else { to - change };
+            self.sums.begun += f64::from(u8::from(after && !self.pressed.unwrap_or(before)));
             self.pressed = Some(after);
         }
+    }
+
+    /// Notes whether some of it was out of contact.
+    fn part(&mut self, parted: bool) {
+        self.sums.apart = self.sums.apart.max(f64::from(u8::from(parted)));
     }
 
     fn add_waves(&mut self, system: &System, piece: &DenseStep) {

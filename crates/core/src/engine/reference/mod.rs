@@ -23,7 +23,7 @@ pub use reference_fixed_point::solve_near;
 
 use super::measurement::{finish_free, first_seen, fundamental, settled};
 use super::{Engine, EngineError, Finished, Outcome, Progress, start};
-use crate::observe::{HARMONICS, Measured, Status, Wants};
+use crate::observe::{HARMONICS, Measured, MeasuredSums, Status, Wants};
 use crate::plan::{Case, Driven, Plan};
 use crate::scene::Run;
 use meter::Meter;
@@ -204,10 +204,10 @@ fn integrate(
         }
     }
     let measured = sums.measured(walk, (run, wants), driven);
-    let settled = settled(change, sums.meter.begun, case.least_change, driven, run);
+    let settled = settled(change, sums.meter.sums.begun, case.least_change, driven, run);
     // A graze that is shallower than the accuracy of lengths has no significant force.
     let graze = case.contact.law().elastic_force(run.accuracy * driven.free_amplitude());
-    let force = graze.max(sums.hits.1.abs()).max(sums.meter.force_min.abs());
+    let force = graze.max(sums.hits.1.abs()).max(sums.meter.sums.weakest.abs());
     let alternates = sums.hits.1 - sums.hits.0 > run.accuracy * force;
     let status = if settled && !alternates { Status::Ok } else { Status::NotSteady };
     Finished { measured, status }
@@ -232,7 +232,7 @@ impl Sums {
 
     /// Takes in the harmonics and the largest force of the latest period.
     fn close_period(&mut self) {
-        let hit = std::mem::replace(&mut self.meter.force_max, f64::NEG_INFINITY);
+        let hit = std::mem::replace(&mut self.meter.sums.strongest, f64::NEG_INFINITY);
         self.hits = (self.hits.0.min(hit), self.hits.1.max(hit));
         for n in 0..HARMONICS {
             self.cosine[n] += self.meter.cosine[n];
@@ -251,21 +251,21 @@ impl Sums {
                 fundamental(&mut measured, travel, driven);
             }
         }
-        if wants.contact {
+        let mut sums = self.meter.sums;
+        if sums.apart == 0.0 {
             // Steps add up to a period but for rounding.
-            measured.contact_time = if self.meter.parted { self.meter.time / span } else { 1.0 };
-            measured.contacts = self.meter.begun / f64::from(run.measure);
+            sums.time = span;
         }
         if wants.energy {
             let n = walk.system.remembered();
-            measured.force_mean = walk.y[n] / span;
-            measured.dissipation = -walk.y[n + 1] / f64::from(run.measure);
-            measured.virial = walk.y[n + 2] / span;
-            measured.deflection_mean = driven.free.bending * measured.force_mean;
+            [sums.impulse, sums.work, sums.virial] = [walk.y[n], walk.y[n + 1], walk.y[n + 2]];
         }
+        let (periods, bending) = (f64::from(run.measure), driven.free.bending);
+        let summed = MeasuredSums { sums, periods, span, force: 1.0, length: 1.0, bending };
+        measured.take_sums(Some(&summed), wants);
         if wants.extremes {
-            (measured.force_min, measured.force_max) = (self.meter.force_min, self.hits.1);
-            measured.indentation_max = if self.meter.touched { self.meter.deepest } else { f64::NAN };
+            (measured.force_min, measured.force_max) = (sums.weakest, self.hits.1);
+            measured.indentation_max = if self.meter.touched { sums.deepest } else { f64::NAN };
         }
         measured
     }

@@ -140,7 +140,7 @@ impl Integrator {
         if let Some(meter) = meter.as_deref_mut() {
             // A viscous contact is counted by its force.
             let counts = self.system.past() && !before && !self.system.force.is_viscous();
-            meter.begun += f64::from(u8::from(counts));
+            meter.sums.begun += f64::from(u8::from(counts));
         }
         self.h = FIRST_STEP_PHASE.min(self.longest);
         self.before = 1e-4;
