@@ -9,7 +9,7 @@ use super::constants::{FARTHEST, ONE, ZERO};
 use super::{Lane, MODES_MAX};
 
 /// Most periods of a map before the way to a state is given up.
-pub const ROUNDS: u32 = 6;
+pub const ROUNDS: u32 = 16;
 
 /// Numbers of modes that states are taken to have, and that searches are compiled for: each costs about a second of compiling.
 /// Between them a state is larger than it need be, but no period is stepped for what is at rest in it.
