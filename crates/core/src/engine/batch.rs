@@ -31,7 +31,7 @@ impl<E: Real> Batch<E> {
         done: u32,
     ) -> Self {
         let (width, modes) = (stepper.width, stepper.modes);
-        let fields = constants(members[0], levers.get(members[0]), start).count();
+        let fields = constants(&members[0], levers.get(&members[0]), start).count();
         let zeros = |fields: usize| vec![E::element(0.0); fields * width];
         let sums = 3 + RunSums::<f64>::new().numbers().count();
         let mut batch = Self {
@@ -44,7 +44,7 @@ impl<E: Real> Batch<E> {
         };
         for lane in 0..width {
             let place = lane.min(members.len() - 1);
-            let (member, saved) = (members[place], saved(place));
+            let (member, saved) = (&members[place], saved(place));
             batch.put(lane, member, levers, start, &saved);
             if lane == place {
                 batch.finite.push(saved.finite);
@@ -56,7 +56,7 @@ impl<E: Real> Batch<E> {
     fn put(
         &mut self,
         lane: usize,
-        member: Member,
+        member: &Member,
         levers: &LeverTable,
         start: Start,
         saved: &InstanceCheckpoint,

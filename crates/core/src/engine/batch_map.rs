@@ -79,22 +79,23 @@ impl BatchMap {
         // Most instances have the lever of the one before.
         let mut last = None;
         for i in instances {
-            let (case, driven) = member(plan, i);
-            let key = lever_key((case, driven));
+            let one = member(plan, i);
+            let key = lever_key(&one);
             let number = match last {
                 Some((same, number)) if same == key => number,
                 _ => *known.entry(key).or_insert_with(|| {
-                    levers.push(lever((case, driven), stepper.modes));
+                    levers.push(lever(&one, stepper.modes));
                     levers.len() as u32 - 1
                 }),
             };
             last = Some((key, number));
             lever_of.push(number);
-            rows.extend(free((case, driven), Start::Steady).into_iter().chain(gap_and_law((case, driven))));
+            rows.extend(free(&one, Start::Steady).into_iter().chain(gap_and_law(&one)));
             if cases.is_empty() {
                 rows.reserve(rows.len() * (count - 1));
             }
-            cases.push((i, case));
+            // No change counts against a state: one period alone cannot tell.
+            cases.push((i, Case { least_change: Some(f64::INFINITY), ..one.0 }));
         }
         Ok(Self {
             stepper,
@@ -225,8 +226,6 @@ impl BatchMap {
         run_sums.places().zip(numbers).for_each(|(place, value)| *place = value);
         let (i, case) = &self.cases[row as usize];
         let sums = Sums::new(run_sums, finite, 1, case.steps);
-        // With an infinite `least_change` no change counts against the state: one period alone cannot tell.
-        let case = Case { least_change: Some(f64::INFINITY), ..*case };
-        finish(&sums, &case, plan.driven(*i), &plan.run, plan.wants)
+        finish(&sums, case, plan.driven(*i), &plan.run, plan.wants)
     }
 }

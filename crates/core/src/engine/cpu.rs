@@ -180,7 +180,7 @@ fn instances<E: Real>(
     let done = from.map_or(0, |from| from.done());
     let batch = |first: usize, some: &[Member]| {
         let saved = |i: usize| match from {
-            None => begin(some[i], plan.run.start),
+            None => begin(&some[i], plan.run.start),
             #[cfg(feature = "gpu")]
             Some(Resume::Saved(saved, _)) => saved[first + i],
             Some(Resume::Starts(starts, instances)) => {

@@ -128,7 +128,7 @@ impl<E: TangentReal> Periods<'_, E> {
     fn numbers(&self, instance: u32, place: &SectionState) -> [Vec<f64>; 2] {
         let (one, modes) = (member(self.plan, instance), self.tangent.modes);
         let saved = section_state::checkpoint(self.plan, instance, place);
-        let constants = motion(one, self.levers.get(one), Start::Steady).collect();
+        let constants = motion(&one, self.levers.get(&one), Start::Steady).collect();
         [constants, [&saved.x[..modes], &saved.u[..modes], &[saved.touching]].concat()]
     }
 }

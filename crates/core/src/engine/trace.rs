@@ -65,10 +65,10 @@ pub fn trace(
     }
     let (member, start) = ((case, driven), plan.run.start);
     let saved = from.map_or_else(
-        || begin(member, start),
+        || begin(&member, start),
         |place| section_state::checkpoint(plan, instance as u32, place),
     );
-    let constants: Vec<f64> = constants(member, &lever(member, modes), start).collect();
+    let constants: Vec<f64> = constants(&member, &lever(&member, modes), start).collect();
     let state = saved.x[..modes].iter().chain(&saved.u[..modes]).chain([&saved.touching]);
     let mut state: Vec<f64> = state.copied().collect();
     let waves = start::waves::<f64>(case.steps, 1);

@@ -1,4 +1,4 @@
-//! Set-points: the gap as one more unknown of the periodic state.
+//! Set-points: the secant method for the gap, with a periodic state at each gap that it tries.
 
 use super::setpoint_continuation::{self, ApproachEnd, MAX_DEPTH_AMPLITUDES};
 use super::setpoint_residual::setpoint_residual;

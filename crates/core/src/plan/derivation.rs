@@ -153,7 +153,7 @@ impl Plan {
             });
             let mut steps = self.steps(i);
             if self.run.steps_per_period.is_none() && steps > 0 {
-                steps = steps.max(fewest_steps(&case, &self.drives[drive as usize], &self.run) / 2);
+                steps = steps.max(fewest_steps(|| case, &self.drives[drive as usize], &self.run) / 2);
             }
             self.resolution.set(i as usize, (drive, steps));
         }

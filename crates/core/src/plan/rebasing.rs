@@ -74,7 +74,7 @@ impl Rebasing {
             BasisRule::Shares { accuracy } | BasisRule::Resonant { accuracy } if accuracy > run.accuracy => {
                 own.min(steps_of(&plan.case(i), driven, run))
             }
-            _ => own.max(fewest_steps(&plan.case(i), driven, run)),
+            _ => own.max(fewest_steps(|| plan.case(i), driven, run)),
         };
         plan.resolution.set(i as usize, (drive, steps));
     }
@@ -161,9 +161,9 @@ pub(super) fn reduced_by(driven: &Driven, rule: BasisRule, run: &Run) -> Arc<Red
 
 /// Fewest steps with which a case may step its basis: as many as the fastest oscillator needs, or as the rule gives for
 /// oscillators made for an elastic contact.
-pub(super) fn fewest_steps(case: &Case, driven: &Driven, run: &Run) -> u32 {
+pub(super) fn fewest_steps(case: impl FnOnce() -> Case, driven: &Driven, run: &Run) -> u32 {
     match driven.kept.rule {
-        BasisRule::Contact { elastic: true, .. } => steps_of(case, driven, run),
+        BasisRule::Contact { elastic: true, .. } => steps_of(&case(), driven, run),
         _ => steps::fewest(driven),
     }
 }

@@ -92,7 +92,7 @@ impl<'a> Driven<'a> {
             .iter()
             .map(|one| {
                 // A class's instances are ordered by drive. What a memory forgets is a part of its lever.
-                let same = |last: &Member| last.0.drive == one.0.drive && lever_key(*last) == lever_key(*one);
+                let same = |last: &Member| last.0.drive == one.0.drive && lever_key(last) == lever_key(one);
                 if !first_of.last().is_some_and(same) {
                     drives.push(one.0.drive);
                     first_of.push(*one);
@@ -112,7 +112,7 @@ impl<'a> Driven<'a> {
 
     /// The table of the drives, and after it the force tables of the instances.
     pub fn table(&self, spec: &ShaderSpec, start: Start) -> Numbers {
-        let rows: Vec<Vec<f64>> = self.first_of.iter().map(|one| drive_row(spec, *one, start)).collect();
+        let rows: Vec<Vec<f64>> = self.first_of.iter().map(|one| drive_row(spec, one, start)).collect();
         let mut all = transposed(&rows, |row| row);
         for number in &self.force_tables {
             all.extend(ForceTable::numbered(*number).rows().iter().flatten());
@@ -121,7 +121,7 @@ impl<'a> Driven<'a> {
     }
 
     /// Gap and constants of the law; force tables by their places behind the drives.
-    pub fn gap_and_law(&self, one: Member) -> Vec<f64> {
+    pub fn gap_and_law(&self, one: &Member) -> Vec<f64> {
         let mut all: Vec<f64> = gap_and_law(one).collect();
         let law = one.0.contact.law;
         let fields = law.fields().iter().zip(&mut all[1..]);
@@ -143,8 +143,8 @@ pub(super) fn tables(
     let spec = driven.shader(plan.shader(class, Entry::Sweep));
     let columns: Vec<(Vec<f64>, Vec<f64>)> = (driven.members.par_iter().enumerate())
         .map(|(i, one)| {
-            let place = saved.map_or_else(|| begin(*one, plan.run.start), |saved| saved[i]);
-            (driven.gap_and_law(*one), write(&spec, &place))
+            let place = saved.map_or_else(|| begin(one, plan.run.start), |saved| saved[i]);
+            (driven.gap_and_law(one), write(&spec, &place))
         })
         .collect();
     let count = instances.len();
@@ -202,15 +202,15 @@ pub(super) fn slope_tables(
 ) -> SlopeTables {
     let driven = Driven::new(plan, &class.instances);
     let spec = driven.shader(plan.shader(class, Entry::Kicks));
-    let levers: Vec<Lever> = driven.first_of.iter().map(|one| lever(*one, spec.modes)).collect();
+    let levers: Vec<Lever> = driven.first_of.iter().map(|one| lever(one, spec.modes)).collect();
     let rounded = |value: f64| if spec.double { value } else { f64::from(value as f32) };
     let of = |i: usize, instance: u32| {
         let lands =
             &levers[driven.drive_of[i] as usize].motion[LANDS.start * spec.modes..LANDS.end * spec.modes];
         let lands = lands.iter().map(|value| rounded(*value));
         let little = little(lands, class.steps as usize, least[instance as usize]);
-        let case =
-            driven.gap_and_law(driven.members[i]).into_iter().chain([little]).chain(told(instance)).collect();
+        let own = driven.gap_and_law(&driven.members[i]).into_iter();
+        let case = own.chain([little]).chain(told(instance)).collect();
         (case, slope_state(&spec, &begun(plan, instance)))
     };
     let columns: Vec<(Vec<f64>, Vec<f64>)> =
@@ -271,7 +271,7 @@ pub(super) fn waves(harmonics: usize, steps: u32) -> Vec<f64> {
 }
 
 /// In the order of [`ShaderSpec::drive_fields`].
-fn drive_row(spec: &ShaderSpec, member: Member, start: Start) -> Vec<f64> {
+fn drive_row(spec: &ShaderSpec, member: &Member, start: Start) -> Vec<f64> {
     let lever = lever(member, spec.modes);
     let mut row = lever.motion;
     row.extend(lever.energy);
