@@ -88,7 +88,7 @@ pub(super) fn start(scene: &Scene) -> anyhow::Result<Value> {
         if scene.base.instrument.actuator.model == ActuatorModel::Rigid {
             instrument.insert("actuator".into(), json!({ "model": "rigid" }));
         }
-        // The page offers what it finds.
+        // The page has a slider for each value that it finds, and a point has no radius.
         if let Some(Value::Object(tip)) = instrument.get_mut("tip")
             && !scene.base.instrument.tip.shape.has_radius()
         {

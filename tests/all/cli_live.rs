@@ -33,6 +33,8 @@ fn pages_begin_with_the_first_instance_of_each_example() {
         assert_eq!(start["title"], scene.title.as_str(), "{name}");
         assert!(read.base == first.base, "{name}:\n{base}");
         assert_eq!(read.run.accuracy, scene.run.accuracy, "{name}");
+        let radius = &start["base"]["instrument"]["tip"]["radius"];
+        assert_eq!(!radius.is_null(), first.base.instrument.tip.shape.has_radius(), "{name}");
     }
 }
 

@@ -96,8 +96,7 @@ macro_rules! sums {
         impl<L: Lane> PeriodSums<L> {
             /// Before the first step.
             #[inline(always)]
-            #[allow(clippy::new_without_default)]
-            pub fn new() -> Self {
+            pub(crate) fn new() -> Self {
                 Self { $($($name: How::$how.start(),)*)* }
             }
 

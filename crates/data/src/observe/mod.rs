@@ -139,11 +139,11 @@ pub struct MeasuredSums {
     /// Measured periods; and their steps, or their length in the unit of time over which an engine integrates.
     pub periods: f64,
     pub span: f64,
-    /// Of a newton times one of `span`, what is summed.
+    /// The sum of impulses under 1 N over one unit of `span`.
     pub force: f64,
     /// The unit of length, m.
     pub length: f64,
-    /// What a steady force bends the lever, m/N.
+    /// Deflection under a steady force, m/N.
     pub bending: f64,
 }
 

@@ -61,7 +61,7 @@ pub(super) fn forces_fit(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     if !round(draft.params.instrument.tip.shape) && contact.outside.iter().any(OutsideForce::needs_radius) {
         return Err(fault("this force is that of a round tip", "it is in proportion to the tip's radius")
             .related(draft.place_of(TIP_SHAPE), "the shape is chosen here")
-            .expected(format!("a {}", TipShape::listed(round, "or")))
+            .expected(format!("a {}", TipShape::listed(round)))
             .help("take such a shape, or give the force as a table"));
     }
     match laws.contains(&LawChoice::Sum) {

@@ -76,12 +76,12 @@ impl TipShape {
         self.end() != TipEnd::Point
     }
 
-    /// The words of all shapes that are like this, as a sentence lists them; `joint` stands before the last.
-    pub(super) fn listed(are: impl Fn(Self) -> bool, joint: &str) -> String {
+    /// The words of these shapes in a sentence: "cone, pyramid or punch".
+    pub(super) fn listed(are: impl Fn(Self) -> bool) -> String {
         let words: Vec<_> =
             Self::WORDS.iter().filter(|(_, shape)| are(*shape)).map(|(word, _)| *word).collect();
         match words.as_slice() {
-            [first @ .., last] if !first.is_empty() => format!("{} {joint} {last}", first.join(", ")),
+            [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
             _ => words.concat(),
         }
     }

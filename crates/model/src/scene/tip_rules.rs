@@ -17,7 +17,7 @@ pub(super) fn shape_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
     let told = draft.place_of(TIP_SHAPE);
     if shape.has_angle() && angle.is_none() {
         return Err(Fault::at(told, "the tip's shape lacks its half-angle")
-            .label(format!("a {} has one", TipShape::listed(TipShape::has_angle, "or")))
+            .label(format!("a {} has one", TipShape::listed(TipShape::has_angle)))
             .expected("half_angle in [instrument.tip]: from the axis to the side, or to the pyramid's face")
             .help("add a line such as half_angle = \"20 deg\""));
     }
@@ -26,14 +26,14 @@ pub(super) fn shape_fits(draft: &Draft, sweep: &SweptAxes) -> Checked<()> {
             .label("this tip has no half-angle")
             .expected(format!(
                 "a shape that has one in [instrument.tip]: {}",
-                TipShape::listed(TipShape::has_angle, "or")
+                TipShape::listed(TipShape::has_angle)
             ))
             .help("set one of them, or remove this line"));
     }
     let swept = draft.said.iter().find(|said| said.swept && said.path == RADIUS);
     if let Some(said) = swept.filter(|_| !shape.has_radius()) {
         return Err(Fault::at(said.key.clone(), "`instrument.tip.radius` has no effect here")
-            .label(format!("a {} ends in a point", TipShape::listed(|shape| !shape.has_radius(), "or")))
+            .label(format!("a {} ends in a point", TipShape::listed(|shape| !shape.has_radius())))
             .related(told, "the shape is chosen here")
             .expected("an axis that changes the result")
             .help("take another shape, or remove this axis"));

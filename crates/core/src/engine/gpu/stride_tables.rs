@@ -59,7 +59,7 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -
     let spec = driven.shader(plan.shader(class, Entry::Stride));
     let numbers = guesses.numbers;
     let of = |i: usize, instance: u32| {
-        let (member, n) = (driven.members[i], instance as usize);
+        let (member, n) = (&driven.members[i], instance as usize);
         let guessed = guesses.all[n];
         let place: Vec<f64> = guesses.place(n).iter().map(|number| number / LENGTH).collect();
         let still = rest_indentation(&member.0, (member.1, Start::Steady), half_step(member.0.steps));
@@ -68,7 +68,7 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -
         let state = begun(&guessed, &place, (spec.modes, swinging, still));
         let goal = guesses.goal(&guessed);
         let own = [goal.scale, goal.near, goal.sure, still, memory, state.touching];
-        let case = driven.gap_and_law(&member).into_iter().chain(own).collect();
+        let case = driven.gap_and_law(member).into_iter().chain(own).collect();
         let strides = std::iter::repeat_n(0.0, numbers);
         let place = place.iter().copied().chain(strides).collect();
         [case, write(&spec, &state), place, guesses.undoes(n).to_vec()]

@@ -2,7 +2,7 @@
 
 use super::dop853::Dense;
 use super::system::System;
-use crate::kernel::PeriodSums;
+use crate::kernel::{PeriodSums, RunSums};
 use crate::observe::{HARMONICS, Wants};
 use crate::periodic::{highest, root};
 
@@ -71,7 +71,7 @@ impl Meter {
         Self {
             cosine: [0.0; HARMONICS],
             sine: [0.0; HARMONICS],
-            sums: PeriodSums::new(),
+            sums: RunSums::new().sums,
             touched: false,
             pressed: None,
             harmonics: wants.harmonics.max(1),
