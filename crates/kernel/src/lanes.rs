@@ -144,3 +144,21 @@ pub(crate) fn with_double<S: WithLanes<f64>>(rounding: Rounding, what: S) -> S::
         None => what.with::<(f64, f64)>(),
     }
 }
+
+/// Does `work` compiled for the widest registers of this processor, if what it calls is inlined. Nothing is fused that its code
+/// does not fuse, so the bits are those of any other registers.
+#[inline]
+pub fn vectorized<R>(work: impl FnOnce() -> R) -> R {
+    with_double(Rounding::new(false), Vectorized(work))
+}
+
+struct Vectorized<W>(W);
+
+impl<R, W: FnOnce() -> R> WithLanes<f64> for Vectorized<W> {
+    type Output = R;
+
+    #[inline]
+    fn with<F: Family<f64>>(self) -> R {
+        F::Narrow::run(self.0)
+    }
+}

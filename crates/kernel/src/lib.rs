@@ -50,7 +50,7 @@ mod x86;
 
 pub use flow::{FAST_ANGLE, FlowMode, LANDS, Lever, flown, increments, own_answer};
 pub use lane::{Lane, Pack, Zip, when};
-pub use lanes::{ROUNDING_VARIABLE, Rounding, instructions};
+pub use lanes::{ROUNDING_VARIABLE, Rounding, instructions, vectorized};
 pub use law::{Attraction, Law, WithLaw};
 pub use run_sums::RunSums;
 pub use sample::Wave;

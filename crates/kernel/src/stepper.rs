@@ -156,6 +156,19 @@ impl<E: Copy> Make<E> for Seer<E> {
     }
 }
 
+/// A call of its own: inlined into each of its callers it would be a seventh of the crate's machine code.
+#[inline(never)]
+fn load<L: Lane, I: Interaction<L>, const M: usize>(
+    modes: usize,
+    constants: &[L::Element],
+    rows: &[L::Element],
+) -> (Case<L, I, M>, State<L, M>) {
+    L::run(
+        #[inline(always)]
+        || (Case::load(modes, constants), State::load(modes, rows)),
+    )
+}
+
 fn see<L: Lane, I: Interaction<L>, const M: usize>(
     modes: usize,
     constants: &[L::Element],
@@ -163,10 +176,7 @@ fn see<L: Lane, I: Interaction<L>, const M: usize>(
     waves: &[Wave<L::Element>],
     seen: &mut [L::Element],
 ) {
-    let (case, mut state) = L::run(
-        #[inline(always)]
-        || (Case::<L, I, M>::load(modes, constants), State::load(modes, rows)),
-    );
+    let (case, mut state) = load::<L, I, M>(modes, constants, rows);
     seen_period(&case, &mut state, waves, seen);
     store(&state, modes, rows);
 }
@@ -178,10 +188,7 @@ fn coast<L: Lane, I: Interaction<L>, const M: usize>(
     waves: &[Wave<L::Element>],
     periods: u32,
 ) -> u32 {
-    let (case, mut state) = L::run(
-        #[inline(always)]
-        || (Case::<L, I, M>::load(modes, constants), State::load(modes, rows)),
-    );
+    let (case, mut state) = load::<L, I, M>(modes, constants, rows);
     let mut done = 0;
     while done < periods {
         unmeasured_period(&case, &mut state, waves);
@@ -201,10 +208,7 @@ fn measure<L: Lane, I: Interaction<L>, const M: usize>(
     sums: &mut [L::Element],
     span: &Span<L::Element>,
 ) -> u32 {
-    let (case, mut state) = L::run(
-        #[inline(always)]
-        || (Case::<L, I, M>::load(modes, constants), State::load(modes, rows)),
-    );
+    let (case, mut state) = load::<L, I, M>(modes, constants, rows);
     let (mut tally, mut run_sums) = load_sums::<L>(sums);
     let steps = span.waves[0].len();
     let mut done = 0;
@@ -229,6 +233,7 @@ fn beyond<L: Lane, const M: usize>(state: &State<L, M>) -> bool {
     )
 }
 
+#[inline(never)]
 fn store<L: Lane, const M: usize>(state: &State<L, M>, modes: usize, rows: &mut [L::Element]) {
     L::run(
         #[inline(always)]

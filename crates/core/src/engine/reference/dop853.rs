@@ -1,6 +1,7 @@
 //! One step of DOP853 and its continuous extension, on buffers that are made once.
 
 use super::tableau::{DENSE, EMBEDDED_3, ERROR_5, EXTENDED, NODES, STAGE, STAGES, TableauRow};
+use crate::kernel::vectorized;
 
 /// Right-hand side of y' = f(theta, y); returns the indentation (m) there.
 pub(super) trait Rates {
@@ -8,7 +9,7 @@ pub(super) trait Rates {
 }
 
 /// Unknowns that are worked out side by side, in registers. Buffers have room for whole blocks of them.
-const BLOCK: usize = 8;
+const BLOCK: usize = 16;
 
 /// Buffers of a step.
 pub(super) struct Dop853 {
@@ -45,35 +46,46 @@ impl Dop853 {
 
     /// Tries a step of length `h` from `y` at `theta`, whose rates are in the first stage.
     pub fn step(&mut self, system: &mut impl Rates, theta: f64, y: &[f64], h: f64) {
-        for stage in 1..STAGES {
-            if stage == STAGES - 1 {
-                combine(&mut self.end, y, &self.k, STAGE[stage], h);
-                self.seen[stage] = system.rates(theta + h, &self.end, &mut self.k[stage]);
-            } else {
-                combine(&mut self.stage, y, &self.k, STAGE[stage], h);
-                self.seen[stage] = system.rates(theta + NODES[stage] * h, &self.stage, &mut self.k[stage]);
-            }
-        }
+        vectorized(
+            #[inline(always)]
+            || {
+                for stage in 1..STAGES {
+                    if stage == STAGES - 1 {
+                        combine(&mut self.end, y, &self.k, STAGE[stage], h);
+                        self.seen[stage] = system.rates(theta + h, &self.end, &mut self.k[stage]);
+                    } else {
+                        combine(&mut self.stage, y, &self.k, STAGE[stage], h);
+                        self.seen[stage] =
+                            system.rates(theta + NODES[stage] * h, &self.stage, &mut self.k[stage]);
+                    }
+                }
+            },
+        );
         self.evaluations += STAGES as u64 - 1;
     }
 
     /// The largest ratio of the step's error to the allowed one over all unknowns: Hairer's mean of both estimates.
     pub fn error(&self, allowed: &[f64], h: f64) -> f64 {
         let (mut fifth, mut third) = (0f64, 0f64);
-        for (block, allowed) in allowed.chunks(BLOCK).enumerate() {
-            let from = block * BLOCK;
-            let (five, last, three) = (
-                weighed(&self.k, ERROR_5, from),
-                weighed(&self.k, STAGE[STAGES - 1], from),
-                weighed(&self.k, EMBEDDED_3, from),
-            );
-            for (n, allowed) in allowed.iter().enumerate() {
-                let (five, three) = (five[n] / allowed, (last[n] - three[n]) / allowed);
-                // Not max, which ignores NaN.
-                fifth = if five.abs() <= fifth { fifth } else { five.abs() };
-                third = if three.abs() <= third { third } else { three.abs() };
-            }
-        }
+        vectorized(
+            #[inline(always)]
+            || {
+                for (block, allowed) in allowed.chunks(BLOCK).enumerate() {
+                    let from = block * BLOCK;
+                    let (five, last, three) = (
+                        weighed(&self.k, ERROR_5, from),
+                        weighed(&self.k, STAGE[STAGES - 1], from),
+                        weighed(&self.k, EMBEDDED_3, from),
+                    );
+                    for (n, allowed) in allowed.iter().enumerate() {
+                        let (five, three) = (five[n] / allowed, (last[n] - three[n]) / allowed);
+                        // Not max, which ignores NaN.
+                        fifth = if five.abs() <= fifth { fifth } else { five.abs() };
+                        third = if three.abs() <= third { third } else { three.abs() };
+                    }
+                }
+            },
+        );
         if fifth == 0.0 { 0.0 } else { h * fifth * fifth / fifth.hypot(0.1 * third) }
     }
 
@@ -98,6 +110,7 @@ impl Dop853 {
     }
 }
 
+#[inline(always)]
 fn combine(out: &mut [f64], y: &[f64], k: &[Vec<f64>; EXTENDED], row: TableauRow, h: f64) {
     for (block, y) in y.chunks(BLOCK).enumerate() {
         let from = block * BLOCK;
@@ -110,7 +123,7 @@ fn combine(out: &mut [f64], y: &[f64], k: &[Vec<f64>; EXTENDED], row: TableauRow
 }
 
 /// The weighted sums of the stages' rates, of the block of unknowns that begins at `from`.
-#[inline]
+#[inline(always)]
 fn weighed(k: &[Vec<f64>; EXTENDED], row: TableauRow, from: usize) -> [f64; BLOCK] {
     let mut sums = [0.0; BLOCK];
     for (j, weight) in row {
