@@ -13,3 +13,16 @@ pub mod sweep;
 use afmsweep_data::{clock, design, observe, store, units};
 use afmsweep_kernel as kernel;
 use afmsweep_model::{contact, instrument, matrix_product, scene};
+
+#[cfg(test)]
+mod test_plans {
+    use crate::plan::{Plan, Precision};
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    /// The plan of a scene in f64.
+    pub(crate) fn plan_of(text: &str) -> Plan {
+        let scene = Scene::parse(Path::new("test.toml"), text).unwrap_or_else(|error| panic!("{error}"));
+        Plan::new(&scene, Precision::F64).expect("the scene can be planned")
+    }
+}

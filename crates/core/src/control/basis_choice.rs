@@ -1,14 +1,12 @@
 //! The choice of each instance's basis, by a sample of instances with poorer and richer ones.
 
-use super::basis_rule_table::BasisRuleTable;
 use super::basis_trials::{self, BasisTrial, StiffnessRank, TrialCosts};
 use super::contact_sample::{ContactKind, by_stiffness, kind_and_stiffness, spread};
 use super::difference_scale::is_fast;
 use crate::compare::{Scales, error};
-use crate::engine::{Engine, EngineError, Finished, Progress};
+use crate::engine::{Engine, EngineError, Progress};
 use crate::observe::{Measured, Observable};
-use crate::plan::{BasisRule, Plan, RICHEST_ACCURACY_SHARE, Rebasing};
-use rayon::prelude::*;
+use crate::plan::{BasisRule, Interned, Plan, RICHEST_ACCURACY_SHARE, Rebasing};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -25,7 +23,7 @@ pub(super) struct BasisTrialSet {
 pub(super) struct BasisChoice {
     pub plan: Plan,
     /// Rule of each instance's next poorer basis. None if the sample has all instances.
-    pub poorer: Option<BasisRuleTable>,
+    pub poorer: Option<Interned<BasisRule>>,
     /// Truncation error of each instance, from the sample. Empty if it is zero.
     pub truncation: Vec<f64>,
 }
@@ -85,8 +83,8 @@ pub(super) fn choose_bases(plan: &Plan, stepped: &[u32], tried: Option<&BasisTri
 fn as_planned(plan: &Plan, some_fast: bool) -> BasisChoice {
     let count = plan.len();
     let poorer = some_fast.then(|| {
-        let mut poorer = BasisRuleTable::of(count, BasisRule::Shares { accuracy: plan.run.accuracy });
-        (0..count as u32).for_each(|i| poorer.put(i, next_poorer(plan.basis_rule(i))));
+        let mut poorer = Interned::of(count, BasisRule::Shares { accuracy: plan.run.accuracy });
+        (0..count as u32).for_each(|i| poorer.set(i as usize, next_poorer(plan.basis_rule(i))));
         poorer
     });
     BasisChoice { plan: plan.clone(), poorer, truncation: Vec::new() }
@@ -134,7 +132,7 @@ struct BasisAssignment<'a> {
     plan: &'a Plan,
     rebasing: Rebasing,
     /// Poorer basis of each instance.
-    poorer: BasisRuleTable,
+    poorer: Interned<BasisRule>,
     truncation: Vec<f64>,
     /// Whether any chosen basis has a poorer one.
     any_poorer: bool,
@@ -142,7 +140,7 @@ struct BasisAssignment<'a> {
 
 impl<'a> BasisAssignment<'a> {
     fn new(plan: &'a Plan) -> Self {
-        let poorer = BasisRuleTable::of(plan.len(), BasisRule::Shares { accuracy: plan.run.accuracy });
+        let poorer = Interned::of(plan.len(), BasisRule::Shares { accuracy: plan.run.accuracy });
         let left_out = vec![0.0; plan.len()];
         Self { plan, rebasing: Rebasing::new(plan), poorer, truncation: left_out, any_poorer: false }
     }
@@ -177,14 +175,9 @@ impl<'a> BasisAssignment<'a> {
     fn put(&mut self, i: u32, (own, poorer): (BasisRule, BasisRule), cost: f64) {
         self.rebasing.give(i, own);
         self.any_poorer |= own.poorer().is_some();
-        self.poorer.put(i, poorer);
+        self.poorer.set(i as usize, poorer);
         self.truncation[i as usize] = cost;
     }
-}
-
-/// [`unbent`] of each of these instances.
-pub(super) fn unbent_of(plan: &Plan, instances: &[u32], results: &[Finished]) -> Vec<f64> {
-    instances.par_iter().map(|i| unbent(plan, *i, &results[*i as usize].measured)).collect()
 }
 
 /// Error of an instance's virial, on its scale, from the flexibility outside all oscillators: the mean force bends the lever

@@ -269,8 +269,7 @@ impl TrialCosts {
 mod tests {
     use super::*;
     use crate::engine::Cpu;
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
 
     /// With hovering tips in its trial, a basis too small for the taps of the curve passed: three of 128 audits of 1.6
     /// million points were above the accuracy.
@@ -300,8 +299,7 @@ mod tests {
         let swept = format!("[sweep]\n\"approach.gap\" = {{ {gaps} }}");
         let curve = format!("[curve]\nquantity = \"approach.gap\"\n{}", gaps.replace(", ", "\n"));
         let poorest = |how: &str| {
-            let scene = Scene::parse(Path::new("one.toml"), &text(how)).expect("the scene is whole");
-            let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+            let plan = plan_of(&text(how));
             let sample = plan.part(&[0, 150, 299]);
             let trials = run(&sample, plan.len(), &Cpu::default(), &Progress::default()).expect("trials run");
             trials.all[0].accuracy

@@ -212,9 +212,7 @@ mod tests {
     use super::*;
     use crate::control;
     use crate::engine::{Cpu, Outcome};
-    use crate::plan::Precision;
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
 
     /// The CPU engine, which confirms no state of plans with at least so many steps per period: every motion seems unsteady
     /// in its first five periods.
@@ -258,8 +256,7 @@ mod tests {
             [output]
             observables = ["amplitude"]
         "#;
-        let scene = Scene::parse(Path::new("grid.toml"), text).expect("the scene is whole");
-        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let plan = plan_of(text);
         let run = |engine: &dyn Engine| control::run(&plan, engine, &Progress::default()).expect("it runs");
         let truth = run(&Cpu::default());
         // The first run finds states, and the second confirms none.

@@ -1,7 +1,6 @@
 //! Runs all instances of a plan, chunk by chunk.
 
 use super::basis_choice::{self, BasisChoice};
-use super::basis_rule_table::BasisRuleTable;
 use super::block_solver::{self, BlockSolver};
 use super::choices::{Choices, Course};
 use super::chunk::{Chunk, ChunkJournal};
@@ -12,7 +11,7 @@ use super::{ChunkRun, branch_switching, by_reference, interruption, once};
 use crate::engine::{Engine, EngineError, Progress, Reference};
 use crate::observe::Status;
 use crate::orbit::{self, OrbitSolution};
-use crate::plan::{BasisRule, Plan};
+use crate::plan::{BasisRule, Interned, Plan};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,7 +21,7 @@ struct ChunkWork<'a> {
     /// Truncation error of each instance of the plan; see [`basis_choice::BasisChoice`].
     truncation: Vec<f64>,
     /// Poorer basis of each instance of the plan; see [`EstimateInputs`].
-    poorer_basis: Option<BasisRuleTable>,
+    poorer_basis: Option<Interned<BasisRule>>,
     /// Whether any instance of the plan needs steps.
     stepped: bool,
     engine: &'a dyn Engine,
@@ -59,8 +58,9 @@ impl ChunkWork<'_> {
                     .iter()
                     .map(|i| self.truncation.get(*i as usize).copied().unwrap_or(0.0))
                     .collect();
-                let of =
-                    |all: &BasisRuleTable| portion.iter().map(|i| all.get(*i)).collect::<Vec<BasisRule>>();
+                let of = |all: &Interned<BasisRule>| {
+                    portion.iter().map(|i| all.get(*i as usize)).collect::<Vec<BasisRule>>()
+                };
                 let poorer = self.poorer_basis.as_ref().map(|all| PoorerBasis::of(&part, of(all)));
                 if let Some(blocks) = &whole.division().blocks {
                     let order = blocks.within(number, &part);
@@ -184,9 +184,7 @@ mod tests {
     use crate::control::chunking::whole_curves;
     use crate::control::{MemoryJournal, RunResult, choose};
     use crate::engine::{Cpu, Outcome, ReturnMap};
-    use crate::plan::Precision;
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
 
     /// The CPU engine with small chunks.
     struct Small(Cpu);
@@ -233,8 +231,7 @@ mod tests {
         let text = include_str!("../../../../scenes/quickstart.toml");
         for steady in ["wait", "search"] {
             let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
-            let scene = Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole");
-            let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+            let plan = plan_of(&text);
             let some: Vec<u32> = (0..plan.len() as u32).step_by(83).collect();
             let plan = plan.part(&some);
             let (whole, parts) = both(&plan);
@@ -271,8 +268,7 @@ mod tests {
             values = ["14 nm", "12 nm"]
             direction = "both"
         "#;
-        let scene = Scene::parse(Path::new("curves.toml"), text).expect("the scene is whole");
-        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let plan = plan_of(text);
         assert_eq!((plan.len(), whole_curves(&plan, 20)), (600, 128));
         let (whole, parts) = both(&plan);
         let bits = |all: &RunResult| format!("{:?} {:?}", all.results, all.estimates);
@@ -326,9 +322,7 @@ mod tests {
             [run]
             steady = "search"
         "#;
-        let scene =
-            Scene::parse(Path::new("grid.toml"), &format!("{text}{swept}")).expect("the scene is whole");
-        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let plan = plan_of(&format!("{text}{swept}"));
         let run =
             |engine: &dyn Engine| crate::control::run(&plan, engine, &Progress::default()).expect("it runs");
         let [whole, small, plain] = [run(&Cpu::default()), run(&Small(Cpu::default())), run(&Plain)];

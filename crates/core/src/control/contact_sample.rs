@@ -85,9 +85,7 @@ fn kinds<'a>(plan: &'a Plan, order: &'a [u32]) -> impl Iterator<Item = &'a [u32]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::Precision;
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
 
     /// Truth: the same sweep with reversed axes. Under DMT the stiffness of a contact does not depend on the work of
     /// adhesion.
@@ -111,8 +109,7 @@ mod tests {
                 "sample.youngs_modulus" = {{ values = [{moduli}] }}
                 "#
             );
-            let scene = Scene::parse(Path::new("sample.toml"), &text).expect("the scene is whole");
-            let plan = Plan::new(&scene, Precision::F64).expect("it can be planned");
+            let plan = plan_of(&text);
             let order = by_stiffness(&plan, &plan.stepped());
             let one = |i: u32| {
                 let contact = plan.contact(i);

@@ -82,15 +82,9 @@ mod tests {
     use crate::control::{ChunkRun, precision_trial, refinement};
     use crate::engine::{Cpu, Finished, Progress};
     use crate::orbit;
-    use crate::plan::{BasisRule, Precision};
-    use crate::scene::Scene;
+    use crate::plan::BasisRule;
+    use crate::test_plans::plan_of;
     use std::f64::consts::TAU;
-    use std::path::Path;
-
-    fn plan_of(text: &str) -> Plan {
-        let scene = Scene::parse(Path::new("one.toml"), text).expect("the scene is whole");
-        Plan::new(&scene, Precision::F64).expect("the scene can be planned")
-    }
 
     fn result(plan: &Plan) -> Finished {
         orbit::solve(plan, &[], &Cpu::default(), &Progress::default()).expect("it runs").outcome.results[0]

@@ -256,30 +256,24 @@ fn keep_curves(
 }
 
 impl FirstEstimate {
-    /// Adds the error of the virial that the flexibility outside all oscillators causes.
-    fn add_unbent(&mut self, stepped: &[u32]) {
-        let costs = basis_choice::unbent_of(&self.plan, stepped, &self.settled.outcome.results);
-        stepped.iter().zip(costs).for_each(|(i, cost)| self.known[*i as usize].of_modes += cost);
-    }
-
     /// Adds the errors that the measurements of the second run tell: of the virial, of contacts shorter than planned, of resonant
     /// modes left out, of work that steps do.
     fn add_measured(&mut self, stepped: &[u32]) {
-        self.add_unbent(stepped);
         let results = &self.settled.outcome.results;
         let of = |i: &u32| {
             let measured = &results[*i as usize].measured;
             let plan = &self.plan;
             (
+                basis_choice::unbent(plan, *i, measured),
                 missed(plan, *i, measured),
                 missed_resonances(plan, *i, measured),
                 work_of_steps(plan, *i, measured),
             )
         };
-        let all: Vec<(f64, f64, f64)> = stepped.par_iter().map(of).collect();
-        for (i, (missed, of_resonances, of_work)) in stepped.iter().zip(all) {
+        let all: Vec<(f64, f64, f64, f64)> = stepped.par_iter().map(of).collect();
+        for (i, (unbent, missed, of_resonances, of_work)) in stepped.iter().zip(all) {
             let known = &mut self.known[*i as usize];
-            known.of_modes = known.of_modes.max(missed);
+            known.of_modes = (known.of_modes + unbent).max(missed);
             known.of_resonances = of_resonances;
             // Without a first run it stays unknown.
             if of_work > known.of_steps {

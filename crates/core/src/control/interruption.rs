@@ -73,8 +73,7 @@ mod tests {
     use super::*;
     use crate::control;
     use crate::engine::{Cpu, Outcome};
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     /// The CPU engine, stopped in the middle of its run of this number.
@@ -133,8 +132,7 @@ mod tests {
         let mut counts = [0, 0];
         for steady in ["wait", "search"] {
             let text = text.replace("[run]", &format!("[run]\nsteady = \"{steady}\""));
-            let scene = Scene::parse(Path::new("quickstart.toml"), &text).expect("the scene is whole");
-            let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+            let plan = plan_of(&text);
             let some: Vec<u32> = (0..plan.len() as u32).step_by(251).collect();
             let mut plan = plan.part(&some);
             // This accuracy makes refinement necessary for many of them.
@@ -164,8 +162,7 @@ mod tests {
             [output]
             observables = ["amplitude"]
         "#;
-        let scene = Scene::parse(Path::new("grid.toml"), text).expect("the scene is whole");
-        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let plan = plan_of(text);
         let [cut, kept] = stopped(&plan, 1..);
         assert!(cut > 0 && kept > 0, "{cut} were cut short and {kept} kept");
     }

@@ -3,7 +3,6 @@
 
 mod audit;
 mod basis_choice;
-mod basis_rule_table;
 mod basis_trials;
 mod block_solver;
 mod branch_switching;
@@ -114,24 +113,6 @@ pub struct Arithmetic {
 }
 
 impl RunResult {
-    /// A run before its first step.
-    fn not_begun(plan: Plan, choices: &Choices) -> Self {
-        let count = plan.len();
-        Self {
-            results: ResultColumns::of_observables(count, &plan.observables),
-            notes: Vec::new(),
-            estimates: vec![f64::NAN; count],
-            truncation: vec![f64::NAN; count],
-            found: OrbitTable::default(),
-            periods: vec![0; count],
-            jumps: Vec::new(),
-            neighbour_started: Vec::new(),
-            arithmetic: choices.precision.arithmetic(count),
-            from_rest: second_orbit_table::SecondOrbitTable::default(),
-            plan,
-        }
-    }
-
     /// The share of the instances whose results come from searches started at their neighbours' states.
     pub fn neighbour_started(&self) -> f64 {
         let count = self.neighbour_started.iter().filter(|one| **one).count();
@@ -173,10 +154,9 @@ impl Arithmetic {
 /// Those of the engine.
 pub fn run(planned: &Plan, engine: &dyn Engine, progress: &Progress) -> Result<RunResult, EngineError> {
     let keep = MemoryJournal::default();
-    match choose(planned, Course::Controlled, engine, progress)? {
-        Some(choices) => run_chunks(planned.clone(), &choices, &keep, engine, progress)?.gathered(),
-        None => Ok(RunResult::not_begun(planned.clone(), &Choices::stopped(planned, engine))),
-    }
+    let chosen = choose(planned, Course::Controlled, engine, progress)?;
+    let choices = chosen.unwrap_or_else(|| Choices::stopped(planned, engine));
+    run_chunks(planned.clone(), &choices, &keep, engine, progress)?.gathered()
 }
 
 /// Runs the plan with the given choices; [`run`] calls this once it has chosen. `keep` provides the chunks that an earlier

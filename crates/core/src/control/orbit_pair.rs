@@ -35,16 +35,16 @@ pub(super) fn orbit_pairs(
     (first, i, before, rough): (&Plan, u32, &Finished, Option<Box<PeriodicState>>),
     (second, there, after, fine): (&Plan, u32, &Finished, Option<&PeriodicState>),
 ) -> OrbitPair {
-    let (mut rough, fine) = match (rough, fine) {
+    let (rough, fine) = match (rough, fine) {
         (Some(rough), Some(fine)) => (rough, fine),
         (None, None) if second.steps(there) > 0 => return OrbitPair::Vain,
         _ => return OrbitPair::Unknown,
     };
-    let mut both = || {
-        let of_rough = std::mem::take(&mut rough.jacobian).into_resolvent()?;
+    let both = || {
+        let of_rough = rough.jacobian.undoes()?;
         let of_fine = fine.jacobian.undoes()?;
-        let rough = SolvedNeighbour::new((first, i), &rough, of_rough, before)?;
-        Some([rough, SolvedNeighbour::new((second, there), fine, of_fine, after)?])
+        let rough = SolvedNeighbour::new((first, i), &rough, of_rough, Some(before))?;
+        Some([rough, SolvedNeighbour::new((second, there), fine, of_fine, Some(after))?])
     };
     both().map_or(OrbitPair::Unknown, |both| OrbitPair::States(Box::new(both)))
 }

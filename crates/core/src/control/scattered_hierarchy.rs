@@ -146,9 +146,7 @@ fn distinct(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::Precision;
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
 
     fn plan(levers: &str) -> Plan {
         let text = format!(
@@ -175,8 +173,7 @@ mod tests {
             samples = 1024
             "#
         );
-        let scene = Scene::parse(Path::new("design.toml"), &text).unwrap_or_else(|error| panic!("{error}"));
-        Plan::new(&scene, Precision::F64).expect("the scene can be planned")
+        plan_of(&text)
     }
 
     /// Truth: Poisson's ratio and the modulus act through one number. For a lever at resonance in units of its own stiffness

@@ -2,7 +2,7 @@
 //! step leads to the next state, until one is periodic.
 
 use super::return_map::{CpuReturnMap, MapPassage};
-use super::{EngineError, Finished, ProfileSection, Progress};
+use super::{EngineError, Finished, Noted, ProfileSection, Progress};
 use crate::kernel::broyden::{Arrival, Goal, Phase, ROUNDS, Standing, stride};
 use crate::kernel::{LENGTH, Rounding};
 use crate::plan::Plan;
@@ -59,12 +59,7 @@ impl Correction {
 }
 
 /// The ends of searches, in the order of the predictions.
-#[derive(Clone, Debug)]
-pub struct Corrections {
-    pub all: Vec<Correction>,
-    /// Messages for the user, one line each.
-    pub notes: Vec<String>,
-}
+pub type Corrections = Noted<Correction>;
 
 impl Predictions {
     /// No predictions yet, for states of `numbers` numbers.
@@ -133,11 +128,7 @@ pub(super) fn all(
     let parts = lists.zip(places.zip(undoes)).map(|((guessed, goals), (places, undoes))| {
         BroydenBatch { plan, numbers, guessed, goals, places, undoes }.run(rounding, progress)
     });
-    let join = |mut all: Vec<Correction>, mut part: Vec<Correction>| {
-        all.append(&mut part);
-        all
-    };
-    Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().reduce(join).unwrap_or_default())
+    Ok(parts.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
 /// Predictions of one thread.

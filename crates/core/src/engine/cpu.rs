@@ -83,7 +83,7 @@ impl Engine for Cpu {
         least: &[f64],
         progress: &Progress,
     ) -> Result<PeriodJacobians, EngineError> {
-        let mut slopes = PeriodJacobians::none(plan);
+        let mut slopes = PeriodJacobians::none(plan, None);
         for class in plan.classes().iter().filter(|class| class.steps > 0) {
             let told = period_jacobian::of_class(plan, class, least, Rounding::new(self.strict), progress)?;
             slopes.put(&class.instances, told);
@@ -196,7 +196,7 @@ fn instances<E: Real>(
             .par_chunks(stepper.width)
             .enumerate()
             .flat_map_iter(|(number, some)| {
-                steady(plan, some, batch(number * stepper.width, some), done, &waves, progress)
+                step_batches(plan, some, vec![batch(number * stepper.width, some)], done, &waves, progress)
             })
             .collect();
     }
@@ -215,32 +215,9 @@ fn instances<E: Real>(
         .flat_map_iter(|(first, group)| {
             let all = group.chunks(stepper.width).enumerate();
             let batches = all.map(|(n, some)| batch(first + n * stepper.width, some)).collect();
-            from_rest(plan, group, batches, done, &waves, progress)
+            step_batches(plan, group, batches, done, &waves, progress)
         })
         .collect()
-}
-
-fn steady<E: Real>(
-    plan: &Plan,
-    members: &[Member],
-    mut batch: Batch<E>,
-    mut done: u32,
-    waves: &[Vec<Wave<E>>],
-    progress: &Progress,
-) -> Vec<Ended> {
-    let steps = waves[0].len();
-    // In blocks, so that a long run reports its progress and can be stopped.
-    let block = (BLOCK / steps).max(1) as u32;
-    while done < plan.run.periods {
-        if progress.stopped() {
-            return vec![Ended::NOT_RUN; members.len()];
-        }
-        let periods = block.min(plan.run.periods - done);
-        progress.timed(ProfileSection::Steps, || batch.advance(&plan.run, periods, waves, None, plan.wants));
-        progress.add(members.len() as u64 * u64::from(periods) * steps as u64);
-        done += periods;
-    }
-    finish_batch(plan, members, &batch)
 }
 
 fn finish_batch<E: Real>(plan: &Plan, members: &[Member], batch: &Batch<E>) -> Vec<Ended> {
@@ -256,8 +233,9 @@ fn finish_batch<E: Real>(plan: &Plan, members: &[Member], batch: &Batch<E>) -> V
         .collect()
 }
 
-/// All instances of a group go through a block of periods before the next block is tabulated.
-fn from_rest<E: Real>(
+/// All instances of a group go through a block of periods before the next block, so that a long run reports its progress and
+/// can be stopped, and from rest the decaying free motion is tabulated block by block.
+fn step_batches<E: Real>(
     plan: &Plan,
     group: &[Member],
     mut batches: Vec<Batch<E>>,
@@ -275,10 +253,11 @@ fn from_rest<E: Real>(
         }
         let periods = block.min(run.periods - done);
         let first = u64::from(done) * steps as u64;
-        let decay = decays::<E>(driven, steps as u32, first, periods as usize * steps);
+        let decay = (run.start == Start::Rest)
+            .then(|| decays::<E>(driven, steps as u32, first, periods as usize * steps));
         batches.par_iter_mut().for_each(|batch| {
             progress.timed(ProfileSection::Steps, || {
-                batch.advance(run, periods, waves, Some(&decay), plan.wants)
+                batch.advance(run, periods, waves, decay.as_deref(), plan.wants)
             });
             progress.add(batch.members() as u64 * u64::from(periods) * steps as u64);
         });

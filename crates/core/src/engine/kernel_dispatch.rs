@@ -9,7 +9,7 @@ use crate::plan::Class;
 /// # Errors
 /// No modes, or more than the kernel can step.
 pub(super) fn stepper<E: Real>(rounding: Rounding, class: &Class) -> Result<Stepper<E>, EngineError> {
-    E::stepper(rounding, class.law, class.modes).ok_or_else(|| none(class.modes))
+    E::stepper(rounding, class.law, class.modes).ok_or_else(|| not_stepped(class.modes))
 }
 
 /// Numbers in which Jacobians of periods are computed.
@@ -23,17 +23,17 @@ pub(super) trait TangentReal: Real {
 
 impl TangentReal for f32 {
     fn tangent(_: Rounding, class: &Class) -> Result<Tangent<Self>, EngineError> {
-        strict_tangent(class.law, class.modes).ok_or_else(|| none(class.modes))
+        strict_tangent(class.law, class.modes).ok_or_else(|| not_stepped(class.modes))
     }
 }
 
 impl TangentReal for f64 {
     fn tangent(rounding: Rounding, class: &Class) -> Result<Tangent<Self>, EngineError> {
-        tangent(rounding, class.law, class.modes).ok_or_else(|| none(class.modes))
+        tangent(rounding, class.law, class.modes).ok_or_else(|| not_stepped(class.modes))
     }
 }
 
-fn none(modes: usize) -> EngineError {
+pub(super) fn not_stepped(modes: usize) -> EngineError {
     match modes {
         0 => EngineError::NoModes,
         _ => EngineError::TooManyModes { modes, most: MODES_MAX },

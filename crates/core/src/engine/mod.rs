@@ -118,7 +118,7 @@ pub trait Engine: Send + Sync {
         _least: &[f64],
         _progress: &Progress,
     ) -> Result<PeriodJacobians, EngineError> {
-        Ok(PeriodJacobians::none(plan))
+        Ok(PeriodJacobians::none(plan, None))
     }
 
     /// Searches for periodic states from these predictions by Broyden's method, in f64: one measured period after another,
@@ -153,7 +153,7 @@ pub trait Engine: Send + Sync {
         _seeks: &NewtonStarts,
         _progress: &Progress,
     ) -> Result<NewtonResults, EngineError> {
-        Ok(NewtonResults::none(plan))
+        Ok(NewtonResults::none(plan, NewtonResult::NOT_RUN))
     }
 
     /// Runs the plan. A failed instance is data, not an error.
@@ -184,6 +184,26 @@ pub enum EngineError {
     /// The record of a chunk.
     #[error("the journal's record of a chunk cannot be read: {why}")]
     Unread { why: String },
+}
+
+/// Values of some instances, in order.
+#[derive(Clone, Debug)]
+pub struct Noted<T> {
+    pub all: Vec<T>,
+    /// Messages for the user, one line each.
+    pub notes: Vec<String>,
+}
+
+impl<T: Clone> Noted<T> {
+    /// Before any run: `none` for each instance of the plan.
+    pub fn none(plan: &Plan, none: T) -> Self {
+        Self { all: vec![none; plan.len()], notes: Vec::new() }
+    }
+
+    /// Stores the values of these instances.
+    fn put(&mut self, instances: &[u32], told: Vec<T>) {
+        instances.iter().zip(told).for_each(|(instance, one)| self.all[*instance as usize] = one);
+    }
 }
 
 /// The results of a run, by instance.

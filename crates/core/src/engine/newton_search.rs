@@ -3,7 +3,7 @@
 
 use super::period_jacobian::{begun, ended, of_class};
 use super::return_map::{CpuReturnMap, MapPassage};
-use super::{EngineError, PeriodJacobian, ProfileSection, Progress};
+use super::{EngineError, Noted, PeriodJacobian, ProfileSection, Progress};
 use crate::kernel::broyden::{Arrival, Phase};
 use crate::kernel::newton::{Aim, ROUNDS, Striding, Walk, arrive};
 use crate::kernel::{LENGTH, Lane, Room, Rounding};
@@ -52,19 +52,7 @@ impl NewtonResult {
 }
 
 /// The ends of searches, by instance of the plan.
-#[derive(Clone, Debug)]
-pub struct NewtonResults {
-    pub all: Vec<NewtonResult>,
-    /// Messages for the user, one line each.
-    pub notes: Vec<String>,
-}
-
-impl NewtonResults {
-    /// Before any search.
-    pub fn none(plan: &Plan) -> Self {
-        Self { all: vec![NewtonResult::NOT_RUN; plan.len()], notes: Vec::new() }
-    }
-}
+pub type NewtonResults = Noted<NewtonResult>;
 
 impl NewtonStarts {
     /// The tolerances of an instance, in the kernel's units.

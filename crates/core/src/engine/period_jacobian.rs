@@ -3,7 +3,7 @@
 use super::kernel_constants::{LeverTable, Member, member, motion};
 use super::kernel_dispatch::TangentReal;
 use super::section_state::put;
-use super::{EngineError, ProfileSection, Progress, section_state, start};
+use super::{EngineError, Noted, ProfileSection, Progress, section_state, start};
 use crate::kernel::{LENGTH, Room, Rounding, Tangent, Wave};
 use crate::plan::{Class, Plan, Precision, SectionState};
 use crate::scene::Start;
@@ -17,26 +17,8 @@ pub struct PeriodJacobian {
     pub slope: Box<[f64]>,
 }
 
-/// Periods of a plan's instances with their Jacobians.
-#[derive(Clone, Debug)]
-pub struct PeriodJacobians {
-    /// By instance; `None` if the run was stopped.
-    pub all: Vec<Option<PeriodJacobian>>,
-    /// Messages for the user, one line each.
-    pub notes: Vec<String>,
-}
-
-impl PeriodJacobians {
-    /// Before any period.
-    pub fn none(plan: &Plan) -> Self {
-        Self { all: vec![None; plan.len()], notes: Vec::new() }
-    }
-
-    /// Stores the results of these instances.
-    pub(super) fn put(&mut self, instances: &[u32], told: Vec<Option<PeriodJacobian>>) {
-        instances.iter().zip(told).for_each(|(instance, one)| self.all[*instance as usize] = one);
-    }
-}
+/// Periods of a plan's instances with their Jacobians; `None` if the run was stopped.
+pub type PeriodJacobians = Noted<Option<PeriodJacobian>>;
 
 /// The end state of an instance that started at `start`, from the kernel's numbers: see [`put`].
 pub(super) fn ended(start: &SectionState, modes: usize, number: impl Fn(usize) -> f64) -> SectionState {

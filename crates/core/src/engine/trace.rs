@@ -3,6 +3,7 @@
 use super::EngineError;
 use super::cpu::decays;
 use super::kernel_constants::{begin, constants, force_scale, lever, step_length};
+use super::kernel_dispatch::not_stepped;
 use super::section_state;
 use super::start;
 use crate::kernel::{LENGTH, MODES_MAX, Rounding, tracer};
@@ -56,12 +57,8 @@ pub fn trace(
     case.steps = case.steps.max(crate::plan::STEPS_MIN);
     let driven = plan.driven(instance as u32);
     let modes = plan.pairs(instance as u32);
-    match modes {
-        0 => return Err(EngineError::NoModes),
-        _ if modes > MODES_MAX => {
-            return Err(EngineError::TooManyModes { modes, most: MODES_MAX });
-        }
-        _ => {}
+    if !(1..=MODES_MAX).contains(&modes) {
+        return Err(not_stepped(modes));
     }
     let (member, start) = ((case, driven), plan.run.start);
     let saved = from.map_or_else(

@@ -3,7 +3,6 @@
 use super::initial_guess::{CurvePrediction, InitialGuess};
 use super::period_map::distance;
 use super::search_batch::{self, BatchSolution};
-use super::verification::class_order;
 use super::{Jacobian, PeriodicState, period_map, time_integration};
 use crate::engine::{Engine, EngineError, Progress};
 use crate::kernel::MODES_MAX;
@@ -56,6 +55,13 @@ struct ContinuationStep {
     periods: u32,
 }
 
+impl ContinuationStep {
+    /// A step over the whole distance, before its search.
+    fn whole(curve: usize, from: u32, to: u32, state: &PeriodicState) -> Self {
+        Self { curve, from, to, reached: 0.0, state: state.clone(), length: 1.0, periods: 0 }
+    }
+}
+
 /// Follows the plan's curves. Each first point starts at the free oscillation.
 pub(super) fn continue_curves(
     plan: &Plan,
@@ -96,18 +102,7 @@ pub fn jumps_moved(
                 .as_deref()
                 .filter(|state| is_near(plan, from, state, last, MAX_STATE_CHANGE))
             {
-                Some(state) => {
-                    let state = state.clone();
-                    going.push(ContinuationStep {
-                        curve,
-                        from,
-                        to,
-                        reached: 0.0,
-                        state,
-                        length: 1.0,
-                        periods: 0,
-                    });
-                }
+                Some(state) => going.push(ContinuationStep::whole(curve, from, to, state)),
                 None => moved += 1,
             }
         }
@@ -186,15 +181,7 @@ impl<'a> Continuation<'a> {
         for (n, curve) in self.curves.iter().enumerate() {
             let Some(&to) = curve.points.get(number) else { continue };
             match &curve.last {
-                Some((from, state)) => going.push(ContinuationStep {
-                    curve: n,
-                    from: *from,
-                    to,
-                    reached: 0.0,
-                    state: state.clone(),
-                    length: 1.0,
-                    periods: 0,
-                }),
+                Some((from, state)) => going.push(ContinuationStep::whole(n, *from, to, state)),
                 None => starts.push((n, to, free_orbit(self.plan, to), 0)),
             }
         }
@@ -273,7 +260,6 @@ impl<'a> Continuation<'a> {
         strides: &[ContinuationStep],
         places: &[SectionState],
     ) -> Result<BatchSolution, EngineError> {
-        let all: Vec<u32> = part.instances().collect();
         let states: Vec<Option<&PeriodicState>> = strides.iter().map(|one| Some(&one.state)).collect();
         let begin = InitialGuess::CurvePoints(CurvePrediction {
             states: &states,
@@ -282,7 +268,7 @@ impl<'a> Continuation<'a> {
             accept_unverified: &[],
         });
         let mut searched =
-            search_batch::solve_batches(part, &class_order(part, &all), begin, self.engine, self.progress)?;
+            search_batch::solve_batches(part, &part.by_class(), begin, self.engine, self.progress)?;
         self.done.notes.append(&mut searched.notes);
         Ok(searched)
     }
@@ -352,16 +338,15 @@ pub(super) fn settled_states(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<BatchSolution, EngineError> {
-    let all: Vec<u32> = plan.instances().collect();
     let places: Vec<Option<&PeriodicState>> = from.iter().map(|state| Some(*state)).collect();
     let mut searched = search_batch::solve_batches(
         plan,
-        &class_order(plan, &all),
+        &plan.by_class(),
         InitialGuess::CurveStates(&places),
         engine,
         progress,
     )?;
-    let lost: Vec<u32> = all.into_iter().filter(|i| searched.found[*i as usize].is_none()).collect();
+    let lost: Vec<u32> = plan.instances().filter(|i| searched.found[*i as usize].is_none()).collect();
     if !lost.is_empty() && !progress.stopped() {
         let begin = |i: &u32| period_map::transfer_section(plan, *i, from[*i as usize]).into();
         let waiting = plan.part(&lost).starting_at(lost.iter().map(begin).collect());

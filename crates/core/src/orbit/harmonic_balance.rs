@@ -211,9 +211,7 @@ fn path(gap: f64) -> impl DoubleEndedIterator<Item = (f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::Precision;
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
 
     const RADIUS: f64 = 10e-9;
     const WORK: f64 = 0.03;
@@ -241,8 +239,7 @@ mod tests {
             gap = "17 nm"
             "#
         );
-        let scene = Scene::parse(Path::new("balance.toml"), &text).expect("the scene is whole");
-        Plan::new(&scene, Precision::F64).expect("the scene can be planned")
+        plan_of(&text)
     }
 
     fn with_balance<T>(plan: &Plan, gap: f64, look: impl FnOnce(Balance) -> T) -> T {

@@ -59,14 +59,6 @@ impl Jacobian {
             }
         }
     }
-
-    /// The resolvent, without a copy if it is stored as such.
-    pub fn into_resolvent(self) -> Option<Arc<[f32]>> {
-        match self {
-            Self::Resolvent(undoes) => Some(undoes),
-            other => other.undoes(),
-        }
-    }
 }
 
 /// The inverse of I minus this Jacobian.

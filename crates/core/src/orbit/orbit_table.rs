@@ -68,11 +68,6 @@ impl OrbitTable {
         self.of.is_empty()
     }
 
-    /// Number of states found.
-    pub fn count(&self) -> usize {
-        self.of.iter().filter(|place| **place > 0).count()
-    }
-
     fn kept(&self, instance: usize) -> Option<&OrbitRow> {
         self.kept.get(self.of.get(instance)?.checked_sub(1)? as usize)
     }
@@ -80,11 +75,6 @@ impl OrbitTable {
     /// Whether the instance has a state.
     pub fn has(&self, instance: usize) -> bool {
         self.kept(instance).is_some()
-    }
-
-    /// Modulus of the map's largest multiplier; NaN if no search found the state.
-    pub fn multiplier(&self, instance: usize) -> f64 {
-        self.kept(instance).map_or(f64::NAN, |one| one.spectrum.multiplier)
     }
 
     /// The state of an instance.
@@ -134,11 +124,6 @@ impl OrbitTable {
         });
         self.of[instance] = self.kept.len() as u32;
         self.numbers.extend(x[..modes].iter().chain(&u[..modes]));
-    }
-
-    /// All states, in full size.
-    pub fn to_vec(&self) -> Vec<Option<Box<PeriodicState>>> {
-        (0..self.of.len()).map(|instance| self.get(instance).map(Box::new)).collect()
     }
 }
 

@@ -103,15 +103,12 @@ mod tests {
     use super::*;
     use crate::orbit::Jacobian;
     use crate::periodic::Floquet;
-    use crate::plan::Precision;
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
     use std::sync::Arc;
 
     fn bistable() -> Plan {
         let text = include_str!("../../../../scenes/bistable.toml");
-        let scene = Scene::parse(Path::new("bistable.toml"), text).expect("the scene is whole");
-        Plan::new(&scene, Precision::F64).expect("the scene can be planned")
+        plan_of(text)
     }
 
     fn state(plan: &Plan, steps: u32) -> PeriodicState {

@@ -60,11 +60,6 @@ impl<'a> PeriodMap<'a> {
         parts.map(|part| work(part * size..count.min((part + 1) * size))).collect()
     }
 
-    /// Counts instances whose search has ended.
-    pub fn ended(&self, instances: usize) {
-        self.progress.done(instances as u64);
-    }
-
     /// Messages of the engine.
     pub fn notes(self) -> Vec<String> {
         self.notes.into_inner().unwrap_or_else(PoisonError::into_inner)

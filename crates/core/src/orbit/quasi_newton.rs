@@ -101,7 +101,10 @@ pub(super) fn correct_own_states(
 
 /// The states `near` of the plan's instances as neighbours of themselves.
 pub(super) fn own_nodes(plan: &Plan, near: &[Option<&PeriodicState>]) -> Vec<Option<SolvedNeighbour>> {
-    let node = |i: u32| SolvedNeighbour::of_own_state(plan, i, near[i as usize]?);
+    let node = |i: u32| {
+        let state = near[i as usize]?;
+        SolvedNeighbour::new((plan, i), state, state.jacobian.undoes()?, None)
+    };
     plan.instances().map(node).collect()
 }
 

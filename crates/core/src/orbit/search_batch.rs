@@ -16,9 +16,8 @@ use crate::engine::{
 };
 use crate::kernel::Room;
 use crate::periodic::{FixedPoint, Memory, PtcOutcome, SearchFailure, Size};
-use crate::plan::{Case, Plan, Precision, SectionState};
+use crate::plan::{Plan, Precision, SectionState};
 use nalgebra::{DefaultAllocator, DimName};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Instances in one batch: enough to keep the engine busy, few enough for memory.
@@ -51,8 +50,8 @@ pub(super) fn solve_batches(
             }
             let map = PeriodMap::new(plan, chunk, engine, progress)?;
             let parts = map.spread(|slots| {
-                let batch = SearchBatch { plan, from, instances: chunk, map: &map };
-                with_size(count, SearchSlice { batch, slots })
+                let slots = (slots.start, slots.end);
+                with_size(count, SearchBatch { plan, from, instances: chunk, map: &map, slots })
             });
             for part in parts {
                 for end in part? {
@@ -93,23 +92,8 @@ struct SearchBatch<'a> {
     from: InitialGuess<'a>,
     instances: &'a [u32],
     map: &'a PeriodMap<'a>,
-}
-
-/// A range of a batch.
-struct SearchSlice<'a> {
-    batch: SearchBatch<'a>,
-    slots: Range<u32>,
-}
-
-impl BySize for SearchSlice<'_> {
-    type Output = Result<Vec<SearchEnd>, EngineError>;
-
-    fn run<D: Size + DimName>(self) -> Self::Output
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        self.batch.run::<D>(self.slots)
-    }
+    /// Those of them that one thread takes.
+    slots: (u32, u32),
 }
 
 /// An instance without a state yet, the periods stepped for it so far, and the start of the last search.
@@ -123,47 +107,20 @@ fn searches_later(waits: &[(u32, bool)], mut waited: u32, periods: u32) -> bool 
     })
 }
 
-impl SearchBatch<'_> {
-    fn case(&self, slot: u32) -> Case {
-        self.plan.case(self.instances[slot as usize])
-    }
+impl BySize for SearchBatch<'_> {
+    type Output = Result<Vec<SearchEnd>, EngineError>;
 
-    /// The search of an instance that begins near a periodic state; `None` if it begins elsewhere.
-    fn near_start<D: Size + DimName>(self, slot: u32) -> Option<Box<InstanceSearch<D>>>
-    where
-        DefaultAllocator: Memory<D>,
-    {
-        let Self { plan, from, .. } = self;
-        let instance = self.instances[slot as usize];
-        let begin = || from.point(plan, instance);
-        let search = match (from.state(instance), &from) {
-            (known, InitialGuess::CurvePoints(along)) => {
-                InstanceSearch::along_curve(plan, slot, instance, known, along)
-            }
-            (Some(place), _) => InstanceSearch::from_known(plan, slot, instance, place),
-            (None, InitialGuess::Points(_) | InitialGuess::PointsOnly(_)) => {
-                InstanceSearch::near(plan, slot, instance, begin())
-            }
-            (None, InitialGuess::Integrated(_)) => InstanceSearch::cold(plan, slot, instance, begin()),
-            (None, _) if from.starts_free() => {
-                InstanceSearch::near(plan, slot, instance, balanced_orbit(plan, instance)?)
-            }
-            (None, _) => return None,
-        };
-        Some(Box::new(search))
-    }
-
-    fn run<D: Size + DimName>(self, slots: Range<u32>) -> Result<Vec<SearchEnd>, EngineError>
+    fn run<D: Size + DimName>(self) -> Self::Output
     where
         DefaultAllocator: Memory<D>,
     {
         let Self { plan, instances, from, .. } = self;
         let instance = |slot: u32| instances[slot as usize];
         let begin = |slot: u32| from.point(plan, instance(slot));
-        let mut done = Vec::with_capacity(slots.len());
+        let mut done = Vec::new();
         let (mut close, mut left): (Vec<Box<InstanceSearch<D>>>, Vec<UnsolvedSlot>) =
             (Vec::new(), Vec::new());
-        for slot in slots {
+        for slot in self.slots.0..self.slots.1 {
             match self.near_start(slot) {
                 Some(search) => close.push(search),
                 None => left.push((slot, 0, begin(slot))),
@@ -189,10 +146,37 @@ impl SearchBatch<'_> {
                 left = self.run_to_end(left.into_iter().map(begun).collect(), last, &mut done)?;
             }
         }
-        self.map.ended(left.len());
+        self.map.progress.done(left.len() as u64);
         let end = |(slot, periods, place)| SearchEnd { slot, periods, state: Err((waited, place)) };
         done.extend(left.into_iter().map(end));
         Ok(done)
+    }
+}
+
+impl SearchBatch<'_> {
+    /// The search of an instance that begins near a periodic state; `None` if it begins elsewhere.
+    fn near_start<D: Size + DimName>(self, slot: u32) -> Option<Box<InstanceSearch<D>>>
+    where
+        DefaultAllocator: Memory<D>,
+    {
+        let Self { plan, from, .. } = self;
+        let instance = self.instances[slot as usize];
+        let begin = || from.point(plan, instance);
+        let search = match (from.state(instance), &from) {
+            (known, InitialGuess::CurvePoints(along)) => {
+                InstanceSearch::along_curve(plan, slot, instance, known, along)
+            }
+            (Some(place), _) => InstanceSearch::from_known(plan, slot, instance, place),
+            (None, InitialGuess::Points(_) | InitialGuess::PointsOnly(_)) => {
+                InstanceSearch::near(plan, slot, instance, begin())
+            }
+            (None, InitialGuess::Integrated(_)) => InstanceSearch::cold(plan, slot, instance, begin()),
+            (None, _) if from.starts_free() => {
+                InstanceSearch::near(plan, slot, instance, balanced_orbit(plan, instance)?)
+            }
+            (None, _) => return None,
+        };
+        Some(Box::new(search))
     }
 
     /// Integrates by `periods`; leaves out instances that were stopped.
@@ -275,7 +259,7 @@ impl SearchBatch<'_> {
                 None => true,
                 Some(PtcOutcome::Converged(found)) => {
                     done.push(self.end(one, found));
-                    self.map.ended(1);
+                    self.map.progress.done(1);
                     false
                 }
                 Some(PtcOutcome::Failed(why)) => {
@@ -335,7 +319,7 @@ impl SearchBatch<'_> {
             match FixedPoint::stable_fixed_point(vector(&end), padded(&slope)) {
                 Some(found) => {
                     done.push(self.end(&one, &found));
-                    self.map.ended(1);
+                    self.map.progress.done(1);
                 }
                 None => {
                     self.map.progress.gave_up(SearchFailure::Unstable);
@@ -376,15 +360,15 @@ impl SearchBatch<'_> {
     where
         DefaultAllocator: Memory<D>,
     {
-        let case = self.case(one.slot);
+        let instance = self.instances[one.slot as usize];
         SearchEnd {
             slot: one.slot,
             periods: one.stepped(),
             state: Ok(Box::new(PeriodicState {
                 section: section(found.state.as_slice(), one.start.touching),
                 floquet: found.spectrum,
-                steps: case.steps,
-                basis: Arc::clone(&self.plan.driven(self.instances[one.slot as usize]).kept),
+                steps: self.plan.steps(instance),
+                basis: Arc::clone(&self.plan.driven(instance).kept),
                 jacobian: Jacobian::Monodromy(found.slope.as_slice().into()),
             })),
         }

@@ -8,7 +8,6 @@ use super::setpoint_branch::{
     BranchPoint, SETPOINT_OVERSHOOT, SetPointBranch, free_gap, interpolated_point, seeds,
 };
 use super::setpoint_residual::setpoint_residual;
-use super::verification::class_order;
 use super::{PeriodicState, period_map};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::plan::{Plan, Precision, SectionState, StartState};
@@ -133,7 +132,6 @@ impl SetPointContinuation<'_> {
         let part = self.plan.part(&instances).with_gaps(&gaps);
         let places: Vec<SectionState> = (0..).zip(&going).map(|(i, one)| one.predicted(&part, i)).collect();
         let states: Vec<Option<&PeriodicState>> = going.iter().map(|one| Some(&one.last.state)).collect();
-        let all: Vec<u32> = part.instances().collect();
         let lightly: Vec<bool> = going.iter().map(|one| !one.careful).collect();
         let begin = InitialGuess::CurvePoints(CurvePrediction {
             states: &states,
@@ -142,7 +140,7 @@ impl SetPointContinuation<'_> {
             accept_unverified: &lightly,
         });
         let BatchSolution { mut found, periods, notes, .. } =
-            search_batch::solve_batches(&part, &class_order(&part, &all), begin, self.engine, self.progress)?;
+            search_batch::solve_batches(&part, &part.by_class(), begin, self.engine, self.progress)?;
         self.done.notes.extend(notes);
         for ((i, one), predicted) in (0..).zip(&mut going).zip(&places) {
             self.done.periods[one.instance as usize] += periods[i as usize];
@@ -215,15 +213,9 @@ impl SetPointContinuation<'_> {
             let gaps: Vec<f64> = seeds.iter().map(|(gap, _)| *gap).collect();
             let stations: Vec<SectionState> = seeds.into_iter().map(|(_, station)| station).collect();
             let part = self.plan.part(&instances).with_gaps(&gaps);
-            let all: Vec<u32> = part.instances().collect();
             let begin = InitialGuess::Points(&stations);
-            let BatchSolution { found, periods, notes, .. } = search_batch::solve_batches(
-                &part,
-                &class_order(&part, &all),
-                begin,
-                self.engine,
-                self.progress,
-            )?;
+            let BatchSolution { found, periods, notes, .. } =
+                search_batch::solve_batches(&part, &part.by_class(), begin, self.engine, self.progress)?;
             self.done.notes.extend(notes);
             instances.iter().zip(periods).for_each(|(i, some)| self.done.periods[*i as usize] += some);
             let places = self.places(&part, found)?;

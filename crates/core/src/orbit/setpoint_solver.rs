@@ -43,12 +43,7 @@ pub(super) fn solve_first(
     too_deep.retain(|(i, _)| astray.binary_search(i).is_err());
     too_deep.extend(deeper.into_iter().map(|(place, miss)| (astray[place as usize], miss)));
     plan.take_gaps(&astray, &part);
-    settled.outcome.notes.extend(again.outcome.notes);
-    for (place, (i, state)) in astray.into_iter().zip(again.found).enumerate() {
-        settled.outcome.results[i as usize] = again.outcome.results[place];
-        settled.periods[i as usize] += again.periods[place];
-        settled.found[i as usize] = state;
-    }
+    settled.take(&astray, again);
     settled.outcome.notes.extend(depths(&settled, &too_deep));
     Ok(settled)
 }

@@ -294,18 +294,15 @@ impl OrbitSolution {
         if let Some(starts) = wait.starts {
             part = part.starting_at(starts.into_iter().map(StartState::from).collect());
         }
-        let ran = time_integration::integrate(&part, engine, progress)?;
-        for (place, i) in wait.instances.iter().map(|i| *i as usize).enumerate() {
-            self.outcome.results[i] = ran.outcome.results[place];
-            self.periods[i] += ran.periods[place];
-            // Later points of the curve start from this state.
-            let end = ran.outcome.ends.get(place).and_then(Option::as_deref).filter(|_| wait.ends_are_states);
-            let steady = ran.outcome.results[place].status.is_steady() && plan.steps(i as u32) > 0;
-            self.found[i] = end
-                .filter(|_| steady)
-                .map(|end| Box::new(continuation::integrated_orbit(plan, i as u32, *end)));
-        }
-        self.outcome.notes.extend(ran.outcome.notes);
+        let mut ran = time_integration::integrate(&part, engine, progress)?;
+        // Later points of the curve start from this state.
+        let state = |(place, i): (usize, &u32)| {
+            let end = ran.outcome.ends.get(place)?.as_deref().filter(|_| wait.ends_are_states)?;
+            let steady = ran.outcome.results[place].status.is_steady() && plan.steps(*i) > 0;
+            steady.then(|| Box::new(continuation::integrated_orbit(plan, *i, *end)))
+        };
+        ran.found = wait.instances.iter().enumerate().map(state).collect();
+        self.take(&wait.instances, ran);
         Ok(())
     }
 }
@@ -314,9 +311,7 @@ impl OrbitSolution {
 mod tests {
     use super::*;
     use crate::engine::Outcome;
-    use crate::plan::Precision;
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
 
     /// Checkpoints may have taken all but a few periods.
     #[test]
@@ -334,8 +329,7 @@ mod tests {
             periods = 300
             measure = 20
         "#;
-        let scene = Scene::parse(Path::new("late.toml"), text).expect("the scene is whole");
-        let plan = Plan::new(&scene, Precision::F64).expect("it can be planned");
+        let plan = plan_of(text);
         let outcome = Outcome::of(&plan);
         let settled = OrbitSolution { outcome, found: vec![None], periods: vec![0], jumps: Vec::new() };
         for (waited, wanders, periods) in

@@ -26,14 +26,15 @@ pub struct SolvedNeighbour {
 }
 
 impl SolvedNeighbour {
-    /// The neighbour of an instance with this state and resolvent; `None` unless a search found it steady.
+    /// The neighbour of an instance with this state and resolvent; `None` unless a search found it steady. An instance's own
+    /// state in another run needs no result: other instances never start from it.
     pub fn new(
         (plan, instance): (&Plan, u32),
         state: &PeriodicState,
         undoes: Arc<[f32]>,
-        finished: &Finished,
+        finished: Option<&Finished>,
     ) -> Option<Self> {
-        if !state.is_solved() || !finished.status.is_steady() {
+        if !state.is_solved() || finished.is_some_and(|one| !one.status.is_steady()) {
             return None;
         }
         Some(Self {
@@ -41,25 +42,8 @@ impl SolvedNeighbour {
             resolvent: undoes,
             multiplier: state.floquet.multiplier,
             touching: state.section.touching,
-            attractive: finished.measured.force_mean < 0.0,
-            contacts: finished.measured.contacts.round(),
-            law: plan.law(instance),
-            steps: state.steps,
-            kept: Arc::clone(&state.basis),
-            drive: Arc::clone(&plan.driven(instance).drive),
-        })
-    }
-
-    /// An instance's own state in another run, which other instances never see; `None` if its Jacobian is unknown.
-    pub(super) fn of_own_state(plan: &Plan, instance: u32, state: &PeriodicState) -> Option<Self> {
-        let undoes = state.jacobian.undoes().filter(|_| state.is_solved())?;
-        Some(Self {
-            state: section_numbers(&state.section, undoes.len().isqrt() / 2),
-            resolvent: undoes,
-            multiplier: state.floquet.multiplier,
-            touching: state.section.touching,
-            attractive: false,
-            contacts: f64::NAN,
+            attractive: finished.is_some_and(|one| one.measured.force_mean < 0.0),
+            contacts: finished.map_or(f64::NAN, |one| one.measured.contacts.round()),
             law: plan.law(instance),
             steps: state.steps,
             kept: Arc::clone(&state.basis),

@@ -43,7 +43,8 @@ fn search_by_travel(
 ) -> Result<(OrbitSolution, Vec<Unconverged>), EngineError> {
     let double = in_double(engine);
     progress.task("search", instances.len() as u64);
-    let alike = class_order(plan, instances);
+    let by_class = plan.part(instances).by_class();
+    let alike: Vec<u32> = by_class.into_iter().map(|place| instances[place as usize]).collect();
     let searched = search_batch::solve_batches(plan, &alike, begin, double, progress)?;
     let is_found = |i: &u32| searched.found[*i as usize].is_some();
     let chosen: Vec<u32> = instances.iter().copied().filter(is_found).collect();
@@ -200,11 +201,6 @@ impl OrbitSolution {
     }
 }
 
-/// Orders these instances by class, so that similar ones are searched for together.
-pub(super) fn class_order(plan: &Plan, instances: &[u32]) -> Vec<u32> {
-    plan.part(instances).by_class().into_iter().map(|place| instances[place as usize]).collect()
-}
-
 /// Measures the plan's instances from the states found of them.
 pub(super) fn run_on(
     plan: Plan,
@@ -231,8 +227,7 @@ mod tests {
     use super::*;
     use crate::engine::Cpu;
     use crate::observe::Status;
-    use crate::scene::Scene;
-    use std::path::Path;
+    use crate::test_plans::plan_of;
 
     /// A weakly damped tip that dips by half a percent of its swing into a stiff sample: its force needs more digits than its
     /// travel. Truth: the state searched for a thousand times as closely.
@@ -259,8 +254,7 @@ mod tests {
             [output]
             observables = ["amplitude"]
         "#;
-        let scene = Scene::parse(Path::new("dip.toml"), text).expect("the scene is whole");
-        let plan = Plan::new(&scene, Precision::F64).expect("the scene can be planned");
+        let plan = plan_of(text);
         let (engine, progress) = (Cpu::default(), Progress::default());
         let mut close = plan.clone();
         close.run.accuracy *= FORCE_TOL_SHARE;

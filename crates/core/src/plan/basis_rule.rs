@@ -1,6 +1,7 @@
 //! The rule that chooses a basis.
 
 use crate::kernel::MODES_MAX;
+use std::hash::{Hash, Hasher};
 
 /// The rule that chooses the oscillators of a reduced basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,14 @@ pub enum BasisRule {
 
 /// Numbers of oscillators that the rate of a contact may choose.
 pub(super) const OSCILLATOR_COUNTS: [usize; 8] = [4, 6, 8, 10, 12, 16, 20, MODES_MAX];
+
+impl Eq for BasisRule {}
+
+impl Hash for BasisRule {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.key().hash(state);
+    }
+}
 
 impl BasisRule {
     /// A key for bases made before.

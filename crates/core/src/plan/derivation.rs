@@ -55,6 +55,22 @@ impl Plan {
         }
     }
 
+    /// Copies its drives and bases, bit by bit. Threads that clone one `Arc` contend for its counter, so each chunk has its
+    /// own.
+    #[must_use]
+    pub fn with_own_drives(mut self) -> Self {
+        let (mut drives, mut bases) = (HashMap::new(), HashMap::new());
+        for driven in &mut self.drives {
+            driven.drive = Arc::clone(
+                drives.entry(Arc::as_ptr(&driven.drive)).or_insert_with(|| Arc::new((*driven.drive).clone())),
+            );
+            driven.kept = Arc::clone(
+                bases.entry(Arc::as_ptr(&driven.kept)).or_insert_with(|| Arc::new((*driven.kept).clone())),
+            );
+        }
+        self
+    }
+
     /// Replaces the steps per period of each instance by a function of them. Instances free of the sample stay without steps.
     #[must_use]
     pub fn with_steps(mut self, steps: impl Fn(u32) -> u32) -> Self {

@@ -90,7 +90,7 @@ impl FromIterator<u32> for Codes {
 
 /// A value per instance.
 #[derive(Clone, Debug)]
-pub(super) struct Interned<T> {
+pub(crate) struct Interned<T> {
     known: Vec<T>,
     numbers: HashMap<T, u32>,
     codes: Codes,
@@ -100,6 +100,12 @@ impl<T: Copy + Eq + Hash> Interned<T> {
     /// Without instances.
     pub fn new() -> Self {
         Self { known: Vec::new(), numbers: HashMap::new(), codes: Codes::zeros(0) }
+    }
+
+    /// The same value for `count` instances.
+    pub fn of(count: usize, value: T) -> Self {
+        let codes = Codes::zeros(count);
+        Self { known: vec![value], numbers: HashMap::from([(value, 0)]), codes }
     }
 
     fn number(&mut self, value: T) -> u32 {

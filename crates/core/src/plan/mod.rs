@@ -23,7 +23,6 @@ mod resonant_modes;
 mod ringing;
 mod shared_contacts;
 mod steps;
-mod unshared_drives;
 
 pub(crate) use basis::RICHEST_ACCURACY_SHARE;
 pub use basis::{ReducedBasis, STEPS_MAX};
@@ -32,6 +31,7 @@ pub use classes::{Class, Shape};
 pub use compliance::{compliance, reduced};
 pub use derivation::Resolution;
 pub use ensemble::{CurveLayout, Drive, Ensemble, Grid, GridAxis, InstanceId, Ranks, SetPoint};
+pub(crate) use interning::Interned;
 pub use oscillator::KeptMode;
 pub use plan_error::PlanError;
 pub use plan_summary::PlanSummary;

@@ -2,12 +2,13 @@
 
 use super::pace::Pace;
 use super::pack::{self, Numbers, Tables};
-use super::session::{Job, Session};
+use super::piece_buffers::PieceBuffers;
+use super::session::Session;
 use super::{Drill, Failure};
 use crate::engine::Progress;
 use crate::engine::checkpoint::InstanceCheckpoint;
 use crate::engine::cpu::decays;
-use crate::kernel::{Entry, ShaderSpec};
+use crate::kernel::ShaderSpec;
 use crate::plan::{Class, Plan};
 use std::time::{Duration, Instant};
 use wgpu::{Buffer, BufferUsages, SubmissionIndex};
@@ -36,16 +37,10 @@ pub(super) struct Chunk<'a> {
     pub class: &'a Class,
     pub session: &'a Session,
     pub drill: &'a Drill,
-    spec: ShaderSpec,
     tables: &'a Tables,
     job: Buffer,
-    waves: Buffer,
-    drives: Buffer,
-    cases: Buffer,
-    drive_of: Buffer,
-    states: Buffer,
+    on: PieceBuffers,
     marks: Buffer,
-    going: Buffer,
 }
 
 impl<'a> Chunk<'a> {
@@ -57,23 +52,11 @@ impl<'a> Chunk<'a> {
         drill: &'a Drill,
         tables: &'a Tables,
     ) -> Result<Self, Failure> {
-        if drill.memory_for.is_some_and(|most| tables.instances.len() > most) {
-            return Err(Failure::Memory);
-        }
-        let read = BufferUsages::STORAGE;
         let write = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        let going: Vec<u32> = pack::going(Entry::Sweep, tables.instances.len() as u32).collect();
-        let (name, uniform) = ("job", BufferUsages::UNIFORM | BufferUsages::COPY_DST);
         Ok(Self {
-            job: session.empty(name, size_of::<Job>() as u64, uniform)?,
-            waves: session.buffer("waves", tables.waves.bytes(), read)?,
-            drives: session.buffer("drives", tables.drive_table.bytes(), read)?,
-            cases: session.buffer("cases", tables.cases.bytes(), read)?,
-            drive_of: session.buffer("drive_of", bytemuck::cast_slice(&tables.drive_of), read)?,
-            states: session.buffer("states", tables.states.bytes(), write)?,
+            job: PieceBuffers::job(session)?,
+            on: PieceBuffers::new(session, drill, &tables.piece)?,
             marks: session.buffer("marks", bytemuck::cast_slice(&tables.marks), write)?,
-            going: session.buffer("going", bytemuck::cast_slice(&going), read)?,
-            spec: tables.spec,
             plan,
             class,
             session,
@@ -108,9 +91,9 @@ impl<'a> Chunk<'a> {
             at += count;
             // One dispatch runs while the next is prepared.
             if let Some((before, count)) = pending.replace((submitted, count)) {
-                self.session.wait(Some(before))?;
+                self.session.wait(before)?;
                 pace.took(count, clock.elapsed());
-                progress.add(count * self.tables.instances.len() as u64);
+                progress.add(count * u64::from(self.tables.piece.count()));
                 clock = Instant::now();
             }
             if at % steps == 0 && at < total && kept.elapsed() > self.drill.save_every.unwrap_or(SAVE_EVERY) {
@@ -120,66 +103,68 @@ impl<'a> Chunk<'a> {
             }
         }
         if let Some((last, count)) = pending {
-            self.session.wait(Some(last))?;
-            progress.add(count * self.tables.instances.len() as u64);
+            self.session.wait(last)?;
+            progress.add(count * u64::from(self.tables.piece.count()));
         }
         self.saved(total - begun).map(Some)
     }
 
     /// Most steps of a dispatch that its table of decaying motion allows.
     fn longest(&self) -> u32 {
-        if !self.spec.decay {
+        if !self.tables.piece.spec.decay {
             return u32::MAX;
         }
-        let row = 3 * self.spec.bytes() * self.tables.drives.len() as u64;
+        let row = 3 * self.tables.piece.spec.bytes() * self.tables.piece.drives.len() as u64;
         (DECAY_BYTES / row).max(1) as u32
     }
 
     fn dispatch(&self, at: u64, count: u32, measured: bool) -> Result<SubmissionIndex, Failure> {
         self.drill.strike(self.session);
-        let (instances, drives) = (self.tables.instances.len() as u32, self.tables.drives.len() as u32);
-        let steps = self.class.steps;
-        let first = (at % u64::from(steps)) as u32;
-        let job = Job { instances, drives, steps, first, count, width: 0, round: 0 };
+        let (piece, on) = (&self.tables.piece, &self.on);
+        let job = piece.job(0, (at % u64::from(self.class.steps)) as u32, count);
         let mut buffers = vec![
             &self.job,
-            &self.waves,
-            &self.drives,
-            &self.cases,
-            &self.drive_of,
-            &self.states,
+            &on.waves,
+            &on.drives,
+            &on.cases,
+            &on.drive_of,
+            &on.states,
             &self.marks,
-            &self.going,
+            &on.going,
         ];
         let table;
-        if self.spec.decay {
+        if self.tables.piece.spec.decay {
             table = self.decay_table(at, count)?;
             buffers.push(&table);
         }
-        self.session.dispatch(ShaderSpec { measured, ..self.spec }, job, instances, &buffers)
+        self.session.dispatch(ShaderSpec { measured, ..piece.spec }, job, piece.count(), &buffers)
     }
 
     /// `[drive][step][travel, speed, acceleration]` for this dispatch.
     fn decay_table(&self, at: u64, count: u32) -> Result<Buffer, Failure> {
-        let rows = self.tables.drives.iter().flat_map(|drive| {
+        let rows = self.tables.piece.drives.iter().flat_map(|drive| {
             let driven = &self.plan.drives[*drive as usize];
             decays::<f64>(driven, self.class.steps, at, count as usize)
         });
         let values = rows.flat_map(|row| [row.travel, row.speed, row.acceleration]).collect();
-        let numbers = Numbers::new(self.spec.double, values);
+        let numbers = Numbers::new(self.tables.piece.spec.double, values);
         self.session.buffer("decays", numbers.bytes(), BufferUsages::STORAGE)
     }
 
     /// Waits, reads the state back, and checks that each instance did `steps` steps.
     fn saved(&self, steps: u64) -> Result<Vec<InstanceCheckpoint>, Failure> {
-        let count = self.tables.instances.len();
-        let (states, marks) = (self.tables.states.bytes().len() as u64, 8 * count as u64);
-        let bytes = self.session.read(&[(&self.states, states), (&self.marks, marks)])?;
+        let count = self.tables.piece.count() as usize;
+        let (states, marks) = (self.tables.piece.states.bytes().len() as u64, 8 * count as u64);
+        let bytes = self.session.read(&[(&self.on.states, states), (&self.marks, marks)])?;
         let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes[1]);
         let expected = steps as u32;
         match marks[..count].iter().find(|done| **done != expected) {
             Some(done) => Err(Failure::Steps { done: *done, expected }),
-            None => Ok(pack::saved(&self.spec, &Numbers::read(self.spec.double, &bytes[0]), &marks)),
+            None => Ok(pack::saved(
+                &self.tables.piece.spec,
+                &Numbers::read(self.tables.piece.spec.double, &bytes[0]),
+                &marks,
+            )),
         }
     }
 }

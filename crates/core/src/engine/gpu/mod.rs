@@ -11,6 +11,7 @@ mod newton;
 mod pace;
 mod pack;
 mod piece;
+mod piece_buffers;
 mod rounds;
 mod runs;
 mod session;
@@ -25,8 +26,8 @@ pub use strict::spirv;
 
 use super::cpu;
 use super::{
-    Correction, Corrections, Engine, EngineError, NewtonResults, NewtonStarts, Outcome, PeriodJacobians,
-    Predictions, Progress,
+    Correction, Corrections, Engine, EngineError, NewtonResult, NewtonResults, NewtonStarts, Outcome,
+    PeriodJacobians, Predictions, Progress,
 };
 use crate::plan::{Class, Plan, Precision};
 use deal::Deal;
@@ -277,7 +278,7 @@ impl Engine for Gpu {
         least: &[f64],
         progress: &Progress,
     ) -> Result<PeriodJacobians, EngineError> {
-        let mut slopes = PeriodJacobians::none(plan);
+        let mut slopes = PeriodJacobians::none(plan, None);
         slopes.notes = self.open(plan.precision)?;
         let _entered = self.dealer.enter();
         let (_, pieces) = self.pieces(plan, |class| self.slope_capacity(plan, class));
@@ -317,7 +318,7 @@ impl Engine for Gpu {
         seeks: &NewtonStarts,
         progress: &Progress,
     ) -> Result<NewtonResults, EngineError> {
-        let mut searches = NewtonResults::none(plan);
+        let mut searches = NewtonResults::none(plan, NewtonResult::NOT_RUN);
         searches.notes = self.open(plan.precision)?;
         let _entered = self.dealer.enter();
         let least = seeks.all.iter().map(|one| one.least).collect();

@@ -5,6 +5,7 @@ use super::errand::Errand;
 use super::pace::Pace;
 use super::pack::{self, Numbers, SlopeTables};
 use super::piece::Piece;
+use super::piece_buffers::PieceBuffers;
 use super::rounds::{Dispatches, Search};
 use super::session::Session;
 use super::slopes::{SlopeChunk, longest};
@@ -66,7 +67,7 @@ impl Errand for Walks<'_> {
             vec![aim.scale, aim.near, aim.enough, memory, touching]
         };
         let slopes = pack::slope_tables(self.plan, &piece.class, (&self.least, told));
-        let (modes, double) = (slopes.spec.modes, slopes.spec.double);
+        let (modes, double) = (slopes.piece.spec.modes, slopes.piece.spec.double);
         let walk = |instance: &u32| {
             let start = begun(self.plan, *instance);
             let place = start.x[..modes].iter().chain(&start.u[..modes]).map(|number| number / LENGTH);
@@ -131,10 +132,9 @@ struct WalkChunk<'a> {
 impl<'a> WalkChunk<'a> {
     fn new(periods: SlopeChunk<'a>, tables: &'a WalkTables) -> Result<Self, Failure> {
         let session = periods.session;
-        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let write = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         Ok(Self {
-            job: session.empty("job", size_of::<super::Job>() as u64, uniform)?,
+            job: PieceBuffers::job(session)?,
             walks: session.buffer("walks", tables.walks.bytes(), write)?,
             factors: session.empty("factors", tables.slopes.column_bytes(), BufferUsages::STORAGE)?,
             periods,
@@ -144,7 +144,7 @@ impl<'a> WalkChunk<'a> {
 
     fn run(&self, pace: &mut Pace, progress: &Progress) -> Result<Option<Left>, Failure> {
         let (steps, session, longest) =
-            (self.tables.slopes.steps, self.periods.session, self.periods.longest);
+            (self.tables.slopes.piece.steps, self.periods.session, self.periods.longest);
         if !(Dispatches { session, pace, progress, steps, longest }.rounds(ROUNDS, self)?) {
             return Ok(None);
         }
@@ -159,7 +159,7 @@ impl<'a> WalkChunk<'a> {
     /// Waits, reads the results, and checks that each instance did its steps.
     fn left(&self) -> Result<Left, Failure> {
         let slopes = &self.tables.slopes;
-        let count = slopes.count() as usize;
+        let count = slopes.piece.count() as usize;
         let walks = self.tables.walks.bytes().len() as u64;
         let wanted = [
             (&self.periods.marks, 12 * count as u64),
@@ -168,11 +168,11 @@ impl<'a> WalkChunk<'a> {
         ];
         let bytes = self.periods.session.read(&wanted)?;
         let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes[0]);
-        let ends = (0..count).map(|i| end((slopes.steps, ROUNDS), marks[i], marks[2 * count + i]));
+        let ends = (0..count).map(|i| end((slopes.piece.steps, ROUNDS), marks[i], marks[2 * count + i]));
         Ok(Left {
             ends: ends.collect::<Result<_, _>>()?,
-            walks: Numbers::read(slopes.spec.double, &bytes[1]),
-            columns: Numbers::read(slopes.spec.double, &bytes[2]),
+            walks: Numbers::read(slopes.piece.spec.double, &bytes[1]),
+            columns: Numbers::read(slopes.piece.spec.double, &bytes[2]),
         })
     }
 }
@@ -187,20 +187,20 @@ impl Search for WalkChunk<'_> {
         periods.drill.strike(periods.session);
         let buffers = [
             &self.job,
-            &periods.cases,
-            &periods.going,
-            &periods.states,
+            &periods.on.cases,
+            &periods.on.going,
+            &periods.on.states,
             &periods.marks,
             &periods.columns,
             &self.walks,
             &self.factors,
         ];
-        let spec = ShaderSpec { entry: Entry::Walk, ..tables.slopes.spec };
-        let job = periods.job(round, 0, 2 * spec.modes as u32);
-        periods.session.dispatch(spec, job, tables.slopes.count(), &buffers)
+        let spec = ShaderSpec { entry: Entry::Walk, ..tables.slopes.piece.spec };
+        let job = tables.slopes.piece.job(round, 0, 2 * spec.modes as u32);
+        periods.session.dispatch(spec, job, tables.slopes.piece.count(), &buffers)
     }
 
     fn going(&self) -> &Buffer {
-        &self.periods.going
+        &self.periods.on.going
     }
 }

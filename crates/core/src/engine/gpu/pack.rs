@@ -1,5 +1,6 @@
 //! Converts a chunk of a class to the shader's tables, and the shader's output to checkpoints.
 
+use super::session::Job;
 use crate::engine::checkpoint::InstanceCheckpoint;
 use crate::engine::kernel_constants::{Member, begin, free, gap_and_law, lever, lever_key, member};
 use crate::engine::period_jacobian::begun;
@@ -50,18 +51,36 @@ impl Numbers {
     }
 }
 
-/// Input of a chunk of instances on the device.
-pub(super) struct Tables {
+/// Input of a piece of a class on the device, whatever it is for.
+pub(super) struct PieceTables {
     pub spec: ShaderSpec,
-    /// Instance numbers of the plan, in the class's order.
-    pub instances: Vec<u32>,
-    /// The plan's drives of these instances, in order.
+    pub steps: u32,
+    /// The plan's drives of the instances, in order.
     pub drives: Vec<u32>,
     pub waves: Numbers,
     pub drive_table: Numbers,
     pub cases: Numbers,
     pub drive_of: Vec<u32>,
     pub states: Numbers,
+    /// See [`going`]; a search has two alternating lists of indices.
+    pub going: Vec<u32>,
+}
+
+impl PieceTables {
+    pub fn count(&self) -> u32 {
+        self.drive_of.len() as u32
+    }
+
+    /// The parameters of one dispatch in a round.
+    pub fn job(&self, round: u32, first: u32, count: u32) -> Job {
+        let (instances, drives, steps) = (self.count(), self.drives.len() as u32, self.steps);
+        Job { instances, drives, steps, first, count, width: 0, round }
+    }
+}
+
+/// Input of a chunk of instances on the device.
+pub(super) struct Tables {
+    pub piece: PieceTables,
     pub marks: Vec<u32>,
 }
 
@@ -120,6 +139,29 @@ impl<'a> Driven<'a> {
         Numbers::new(spec.double, all)
     }
 
+    /// The tables of a piece with these cases and states.
+    pub fn piece(
+        self,
+        spec: ShaderSpec,
+        steps: u32,
+        (harmonics, start): (usize, Start),
+        [cases, states]: [Numbers; 2],
+    ) -> PieceTables {
+        let count = self.drive_of.len() as u32;
+        let listed = if spec.entry == Entry::Sweep { 0 } else { count };
+        PieceTables {
+            steps,
+            waves: Numbers::new(spec.double, waves(harmonics, steps)),
+            drive_table: self.table(&spec, start),
+            cases,
+            states,
+            going: going(spec.entry, count).chain(0..listed).collect(),
+            drives: self.drives,
+            drive_of: self.drive_of,
+            spec,
+        }
+    }
+
     /// Gap and constants of the law; force tables by their places behind the drives.
     pub fn gap_and_law(&self, one: &Member) -> Vec<f64> {
         let mut all: Vec<f64> = gap_and_law(one).collect();
@@ -141,10 +183,10 @@ pub(super) fn tables(
 ) -> Tables {
     let driven = Driven::new(plan, instances);
     let spec = driven.shader(plan.shader(class, Entry::Sweep));
-    let columns: Vec<(Vec<f64>, Vec<f64>)> = (driven.members.par_iter().enumerate())
+    let columns: Vec<[Vec<f64>; 2]> = (driven.members.par_iter().enumerate())
         .map(|(i, one)| {
             let place = saved.map_or_else(|| begin(one, plan.run.start), |saved| saved[i]);
-            (driven.gap_and_law(one), write(&spec, &place))
+            [driven.gap_and_law(one), write(&spec, &place)]
         })
         .collect();
     let count = instances.len();
@@ -152,44 +194,23 @@ pub(super) fn tables(
     for (mark, one) in marks[count..].iter_mut().zip(saved.unwrap_or_default()) {
         *mark = u32::from(!one.finite);
     }
-    Tables {
-        spec,
-        instances: instances.to_vec(),
-        waves: Numbers::new(spec.double, waves(plan.wants.harmonics, class.steps)),
-        drive_table: driven.table(&spec, plan.run.start),
-        cases: Numbers::new(spec.double, transposed(&columns, |column| &column.0)),
-        states: Numbers::new(spec.double, transposed(&columns, |column| &column.1)),
-        drives: driven.drives,
-        drive_of: driven.drive_of,
-        marks,
-    }
+    let table = |which: usize| Numbers::new(spec.double, transposed(&columns, |column| &column[which]));
+    let rows = (plan.wants.harmonics, plan.run.start);
+    Tables { piece: driven.piece(spec, class.steps, rows, [table(0), table(1)]), marks }
 }
 
 /// Input of a piece of a class on the device, for a period with its Jacobian.
 pub(super) struct SlopeTables {
-    pub spec: ShaderSpec,
-    pub steps: u32,
-    /// Number of drives.
-    pub drives: u32,
-    pub waves: Numbers,
-    pub drive_table: Numbers,
-    pub cases: Numbers,
-    pub drive_of: Vec<u32>,
-    pub states: Numbers,
-    /// The number of instances in progress in each round and after the last, then their indices, in two alternating lists.
-    pub going: Vec<u32>,
+    pub piece: PieceTables,
     /// [`powers`] of each drive's lever.
     pub flows: Numbers,
 }
 
 impl SlopeTables {
-    pub fn count(&self) -> u32 {
-        self.drive_of.len() as u32
-    }
-
     /// Bytes of the Jacobians.
     pub fn column_bytes(&self) -> u64 {
-        self.spec.bytes() * (2 * self.spec.modes as u64).pow(2) * u64::from(self.count())
+        let spec = &self.piece.spec;
+        spec.bytes() * (2 * spec.modes as u64).pow(2) * u64::from(self.piece.count())
     }
 }
 
@@ -211,24 +232,14 @@ pub(super) fn slope_tables(
         let little = little(lands, class.steps as usize, least[instance as usize]);
         let own = driven.gap_and_law(&driven.members[i]).into_iter();
         let case = own.chain([little]).chain(told(instance)).collect();
-        (case, slope_state(&spec, &begun(plan, instance)))
+        [case, slope_state(&spec, &begun(plan, instance))]
     };
-    let columns: Vec<(Vec<f64>, Vec<f64>)> =
+    let columns: Vec<[Vec<f64>; 2]> =
         (class.instances.par_iter().enumerate()).map(|(i, instance)| of(i, *instance)).collect();
     let flows: Vec<Vec<f64>> = levers.iter().map(|lever| flows(&spec, lever, class.steps)).collect();
-    let count = class.instances.len() as u32;
-    SlopeTables {
-        steps: class.steps,
-        drives: driven.drives.len() as u32,
-        waves: Numbers::new(spec.double, waves(1, class.steps)),
-        drive_table: driven.table(&spec, Start::Steady),
-        cases: Numbers::new(spec.double, transposed(&columns, |column| &column.0)),
-        states: Numbers::new(spec.double, transposed(&columns, |column| &column.1)),
-        going: going(spec.entry, count).chain(0..count).collect(),
-        flows: Numbers::new(spec.double, transposed(&flows, |row| row)),
-        drive_of: driven.drive_of,
-        spec,
-    }
+    let flows = Numbers::new(spec.double, transposed(&flows, |row| row));
+    let table = |which: usize| Numbers::new(spec.double, transposed(&columns, |column| &column[which]));
+    SlopeTables { piece: driven.piece(spec, class.steps, (1, Start::Steady), [table(0), table(1)]), flows }
 }
 
 /// Travel and rate of each mode, contact, and no steps done.

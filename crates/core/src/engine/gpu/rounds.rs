@@ -61,7 +61,7 @@ impl Dispatches<'_> {
             at += count as u32;
             // One dispatch runs while the next is prepared.
             if let Some((before, count)) = running.replace((submitted, count)) {
-                self.session.wait(Some(before))?;
+                self.session.wait(before)?;
                 self.pace.took(count, clock.elapsed());
                 clock = Instant::now();
             }

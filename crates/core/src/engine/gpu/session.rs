@@ -286,14 +286,14 @@ impl Session {
 
     /// Waits for requested bytes.
     pub fn now(&self, later: &Later) -> Result<Vec<u8>, Failure> {
-        self.wait(Some(later.submitted.clone()))?;
+        self.wait(later.submitted.clone())?;
         let view = later.copy.slice(..later.size).get_mapped_range();
         view.map(|view| view.to_vec()).map_err(|error| Failure::Lost(error.to_string()))
     }
 
     /// Waits until everything up to that submission is done.
-    pub fn wait(&self, submission: Option<SubmissionIndex>) -> Result<(), Failure> {
-        let poll = PollType::Wait { submission_index: submission, timeout: None };
+    pub fn wait(&self, submission: SubmissionIndex) -> Result<(), Failure> {
+        let poll = PollType::Wait { submission_index: Some(submission), timeout: None };
         let polled = self.device.poll(poll);
         self.check()?;
         polled.map(|_| ()).map_err(|error| Failure::Lost(error.to_string()))
@@ -301,27 +301,8 @@ impl Session {
 
     /// The contents of buffers that allow copies: for each, the given number of bytes.
     pub fn read(&self, buffers: &[(&Buffer, u64)]) -> Result<Vec<Vec<u8>>, Failure> {
-        let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-        let mut encoder = self.device.create_command_encoder(&Default::default());
-        let mut copies = Vec::new();
-        for (buffer, size) in buffers {
-            let copy = self.empty("readback", *size, usage)?;
-            encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, Some(*size));
-            copies.push(copy);
-        }
-        self.queue.submit([encoder.finish()]);
-        for copy in &copies {
-            // An error shows when the range is read.
-            copy.slice(..).map_async(MapMode::Read, |_| ());
-        }
-        self.wait(None)?;
-        copies
-            .iter()
-            .zip(buffers)
-            .map(|(copy, (_, size))| {
-                let view = copy.slice(..*size).get_mapped_range();
-                view.map(|view| view.to_vec()).map_err(|error| Failure::Lost(error.to_string()))
-            })
-            .collect()
+        let copies: Vec<Later> =
+            buffers.iter().map(|(buffer, size)| self.later(buffer, 0, *size)).collect::<Result<_, _>>()?;
+        copies.iter().map(|copy| self.now(copy)).collect()
     }
 }

@@ -4,8 +4,9 @@ use super::errand::Errand;
 use super::pace::Pace;
 use super::pack::{self, Numbers, SlopeTables};
 use super::piece::Piece;
+use super::piece_buffers::PieceBuffers;
 use super::rounds::Dispatches;
-use super::session::{Job, Session};
+use super::session::Session;
 use super::{Drill, Failure};
 use crate::engine::period_jacobian::{begun, ended, kept, of_class};
 use crate::engine::{EngineError, PeriodJacobian, PeriodJacobians, Progress};
@@ -106,13 +107,8 @@ pub(super) struct SlopeChunk<'a> {
     pub longest: u32,
     /// Parameters of the two dispatches: kicks and carry.
     jobs: [Buffer; 2],
-    waves: Buffer,
-    drives: Buffer,
-    pub cases: Buffer,
-    drive_of: Buffer,
-    pub states: Buffer,
+    pub on: PieceBuffers,
     pub marks: Buffer,
-    pub going: Buffer,
     partials: Buffer,
     flows: Buffer,
     pub columns: Buffer,
@@ -125,27 +121,14 @@ impl<'a> SlopeChunk<'a> {
         tables: &'a SlopeTables,
         longest: u32,
     ) -> Result<Self, Failure> {
-        let count = tables.count();
-        if drill.memory_for.is_some_and(|most| count as usize > most) {
-            return Err(Failure::Memory);
-        }
-        let spec = &tables.spec;
+        let spec = &tables.piece.spec;
         let (read, write) = (BufferUsages::STORAGE, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
-        let (count, kicks) = (u64::from(count), u64::from(longest) + 1);
-        let job = || {
-            let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-            session.empty("job", size_of::<Job>() as u64, usage)
-        };
+        let (count, kicks) = (u64::from(tables.piece.count()), u64::from(longest) + 1);
         Ok(Self {
-            jobs: [job()?, job()?],
-            waves: session.buffer("waves", tables.waves.bytes(), read)?,
-            drives: session.buffer("drives", tables.drive_table.bytes(), read)?,
-            cases: session.buffer("cases", tables.cases.bytes(), read)?,
-            drive_of: session.buffer("drive_of", bytemuck::cast_slice(&tables.drive_of), read)?,
-            states: session.buffer("states", tables.states.bytes(), write)?,
+            jobs: [PieceBuffers::job(session)?, PieceBuffers::job(session)?],
+            on: PieceBuffers::new(session, drill, &tables.piece)?,
             // New buffers are zero.
             marks: session.empty("marks", 4 * (3 + kicks) * count, write)?,
-            going: session.buffer("going", bytemuck::cast_slice(&tables.going), write)?,
             partials: session.empty(
                 "partials",
                 kicks * spec.partials() as u64 * count * spec.bytes(),
@@ -161,62 +144,57 @@ impl<'a> SlopeChunk<'a> {
     }
 
     fn run(&self, pace: &mut Pace, progress: &Progress) -> Result<Option<Left>, Failure> {
-        let (steps, session, longest) = (self.tables.steps, self.session, self.longest);
+        let (steps, session, longest) = (self.tables.piece.steps, self.session, self.longest);
         let mut dispatches = Dispatches { session, pace, progress, steps, longest };
         if !dispatches.once(|(first, count)| self.dispatch(0, first, count))? {
             return Ok(None);
         }
         let left = self.left()?;
-        progress.add(u64::from(steps) * u64::from(self.tables.count()));
+        progress.add(u64::from(steps) * u64::from(self.tables.piece.count()));
         Ok(Some(left))
-    }
-
-    /// The parameters of one dispatch in a round.
-    pub fn job(&self, round: u32, first: u32, count: u32) -> Job {
-        let (instances, drives, steps) = (self.tables.count(), self.tables.drives, self.tables.steps);
-        Job { instances, drives, steps, first, count, width: 0, round }
     }
 
     /// Dispatches some steps of all instances in progress, then the update of the Jacobian columns.
     pub fn dispatch(&self, round: u32, first: u32, count: u32) -> Result<SubmissionIndex, Failure> {
         self.drill.strike(self.session);
-        let Self { jobs: [kicks, carry], tables, session, .. } = self;
-        let (job, instances) = (self.job(round, first, count), tables.count());
+        let Self { jobs: [kicks, carry], tables: SlopeTables { piece, .. }, session, on, .. } = self;
+        let (job, instances) = (piece.job(round, first, count), piece.count());
         let buffers = [
             kicks,
-            &self.waves,
-            &self.drives,
-            &self.cases,
-            &self.drive_of,
-            &self.states,
+            &on.waves,
+            &on.drives,
+            &on.cases,
+            &on.drive_of,
+            &on.states,
             &self.marks,
             &self.partials,
-            &self.going,
+            &on.going,
         ];
-        session.dispatch(tables.spec, job, instances, &buffers)?;
+        session.dispatch(piece.spec, job, instances, &buffers)?;
         let buffers = [
             carry,
-            &self.drives,
-            &self.drive_of,
+            &on.drives,
+            &on.drive_of,
             &self.flows,
             &self.marks,
             &self.partials,
             &self.columns,
-            &self.going,
+            &on.going,
         ];
-        let spec = ShaderSpec { entry: Entry::Carry, ..tables.spec };
+        let spec = ShaderSpec { entry: Entry::Carry, ..piece.spec };
         session.dispatch(spec, job, 2 * spec.modes as u32 * instances, &buffers)
     }
 
     /// Waits, reads the results, and checks that each instance did its steps.
     fn left(&self) -> Result<Left, Failure> {
-        let (tables, double) = (self.tables, self.tables.spec.double);
-        let states = tables.states.bytes().len() as u64;
-        let marks = 4 * u64::from(tables.count());
-        let wanted = [(&self.states, states), (&self.marks, marks), (&self.columns, tables.column_bytes())];
+        let (tables, double) = (self.tables, self.tables.piece.spec.double);
+        let states = tables.piece.states.bytes().len() as u64;
+        let marks = 4 * u64::from(tables.piece.count());
+        let wanted =
+            [(&self.on.states, states), (&self.marks, marks), (&self.columns, tables.column_bytes())];
         let bytes = self.session.read(&wanted)?;
         let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes[1]);
-        let expected = tables.steps;
+        let expected = tables.piece.steps;
         match marks.iter().find(|done| **done != expected) {
             Some(done) => Err(Failure::Steps { done: *done, expected }),
             None => Ok(Left {

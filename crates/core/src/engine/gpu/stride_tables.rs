@@ -1,41 +1,24 @@
 //! Converts predictions of periodic states to the shader's tables.
 
 use super::Failure;
-use super::pack::{Driven, Numbers, going, transposed, waves, write};
+use super::pack::{Driven, Numbers, PieceTables, transposed, write};
 use crate::engine::checkpoint::InstanceCheckpoint;
 use crate::engine::section_state::{half_step, rest_indentation};
 use crate::engine::{Prediction, Predictions};
 use crate::kernel::broyden::Phase;
-use crate::kernel::{Entry, LENGTH, MODES_MAX, RunSums, ShaderSpec};
+use crate::kernel::{Entry, LENGTH, MODES_MAX, RunSums};
 use crate::plan::{Class, Plan};
 use crate::scene::Start;
 use rayon::prelude::*;
 
 /// Input of a piece of a class on the device, for a search.
 pub(super) struct StrideTables {
-    /// The shader of the solver step.
-    pub spec: ShaderSpec,
-    pub steps: u32,
+    pub piece: PieceTables,
     /// Numbers of a state.
     pub numbers: u32,
-    /// Number of drives.
-    pub drives: u32,
-    pub waves: Numbers,
-    pub drive_table: Numbers,
-    pub cases: Numbers,
-    pub drive_of: Vec<u32>,
-    pub states: Numbers,
-    /// The number of instances in progress in each round and after the last, then their indices, in two alternating lists.
-    pub going: Vec<u32>,
     /// States, then steps.
     pub places: Numbers,
     pub undoes: Numbers,
-}
-
-impl StrideTables {
-    pub fn count(&self) -> u32 {
-        self.drive_of.len() as u32
-    }
 }
 
 /// The phase and the periods of an instance after a search that did `done` steps. `steps` is their number in a period,
@@ -76,21 +59,10 @@ pub(super) fn stride_tables(plan: &Plan, class: &Class, guesses: &Predictions) -
     let columns: Vec<[Vec<f64>; 4]> =
         class.instances.par_iter().enumerate().map(|(i, instance)| of(i, *instance)).collect();
     let table = |which: usize| Numbers::new(spec.double, transposed(&columns, |column| &column[which]));
-    let count = class.instances.len() as u32;
-    StrideTables {
-        steps: class.steps,
-        numbers: numbers as u32,
-        waves: Numbers::new(spec.double, waves(plan.wants.harmonics, class.steps)),
-        drive_table: driven.table(&spec, Start::Steady),
-        cases: table(0),
-        states: table(1),
-        going: going(spec.entry, count).chain(0..count).collect(),
-        places: table(2),
-        undoes: table(3),
-        drives: driven.drives.len() as u32,
-        drive_of: driven.drive_of,
-        spec,
-    }
+    let (places, undoes) = (table(2), table(3));
+    let rows = (plan.wants.harmonics, Start::Steady);
+    let piece = driven.piece(spec, class.steps, rows, [table(0), table(1)]);
+    StrideTables { piece, numbers: numbers as u32, places, undoes }
 }
 
 /// An instance at its prediction, kernel units, not measured. Of its modes, so many are the lever's. `still`: distance of free

@@ -5,8 +5,9 @@ use super::errand::Errand;
 use super::pace::Pace;
 use super::pack::{self, Numbers};
 use super::piece::Piece;
+use super::piece_buffers::PieceBuffers;
 use super::rounds::{Dispatches, Search};
-use super::session::{Job, Session};
+use super::session::Session;
 use super::stride_tables::{StrideTables, end, stride_tables};
 use super::{Drill, Failure};
 use crate::engine::checkpoint::InstanceCheckpoint;
@@ -132,38 +133,20 @@ struct StrideChunk<'a> {
     tables: &'a StrideTables,
     /// Parameters of the two dispatches: period and solver step.
     jobs: [Buffer; 2],
-    waves: Buffer,
-    drives: Buffer,
-    cases: Buffer,
-    drive_of: Buffer,
-    states: Buffer,
+    on: PieceBuffers,
     marks: Buffer,
-    going: Buffer,
     places: Buffer,
     undoes: Buffer,
 }
 
 impl<'a> StrideChunk<'a> {
     fn new(session: &'a Session, drill: &'a Drill, tables: &'a StrideTables) -> Result<Self, Failure> {
-        let count = tables.count();
-        if drill.memory_for.is_some_and(|most| count as usize > most) {
-            return Err(Failure::Memory);
-        }
-        let (read, write) = (BufferUsages::STORAGE, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
-        let job = || {
-            let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-            session.empty("job", size_of::<Job>() as u64, usage)
-        };
+        let write = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         Ok(Self {
-            jobs: [job()?, job()?],
-            waves: session.buffer("waves", tables.waves.bytes(), read)?,
-            drives: session.buffer("drives", tables.drive_table.bytes(), read)?,
-            cases: session.buffer("cases", tables.cases.bytes(), read)?,
-            drive_of: session.buffer("drive_of", bytemuck::cast_slice(&tables.drive_of), read)?,
-            states: session.buffer("states", tables.states.bytes(), write)?,
+            jobs: [PieceBuffers::job(session)?, PieceBuffers::job(session)?],
+            on: PieceBuffers::new(session, drill, &tables.piece)?,
             // New buffers are zero.
-            marks: session.empty("marks", 12 * u64::from(count), write)?,
-            going: session.buffer("going", bytemuck::cast_slice(&tables.going), write)?,
+            marks: session.empty("marks", 12 * u64::from(tables.piece.count()), write)?,
             places: session.buffer("places", tables.places.bytes(), write)?,
             undoes: session.buffer("undoes", tables.undoes.bytes(), write)?,
             session,
@@ -173,7 +156,7 @@ impl<'a> StrideChunk<'a> {
     }
 
     fn run(&self, pace: &mut Pace, progress: &Progress) -> Result<Option<Left>, Failure> {
-        let (steps, session) = (self.tables.steps, self.session);
+        let (steps, session) = (self.tables.piece.steps, self.session);
         if !(Dispatches { session, pace, progress, steps, longest: u32::MAX }.rounds(ROUNDS, self)?) {
             return Ok(None);
         }
@@ -183,27 +166,22 @@ impl<'a> StrideChunk<'a> {
         Ok(Some(left))
     }
 
-    fn job(&self, round: u32, first: u32, count: u32) -> Job {
-        let (instances, drives, steps) = (self.tables.count(), self.tables.drives, self.tables.steps);
-        Job { instances, drives, steps, first, count, width: 0, round }
-    }
-
     /// Waits, reads the results, and checks that each instance did its steps.
     fn left(&self) -> Result<Left, Failure> {
-        let (tables, double) = (self.tables, self.tables.spec.double);
-        let (count, size) = (tables.count() as usize, |numbers: &Numbers| numbers.bytes().len() as u64);
+        let (tables, double) = (self.tables, self.tables.piece.spec.double);
+        let (count, size) = (tables.piece.count() as usize, |numbers: &Numbers| numbers.bytes().len() as u64);
         let wanted = [
-            (&self.states, size(&tables.states)),
+            (&self.on.states, size(&tables.piece.states)),
             (&self.marks, 12 * count as u64),
             (&self.places, size(&tables.places) / 2),
             (&self.undoes, size(&tables.undoes)),
         ];
         let bytes = self.session.read(&wanted)?;
         let marks: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes[1]);
-        let ends = (0..count).map(|i| end((tables.steps, ROUNDS), marks[i], marks[2 * count + i]));
+        let ends = (0..count).map(|i| end((tables.piece.steps, ROUNDS), marks[i], marks[2 * count + i]));
         Ok(Left {
             ends: ends.collect::<Result<_, _>>()?,
-            saved: pack::saved(&tables.spec, &Numbers::read(double, &bytes[0]), &marks[..2 * count]),
+            saved: pack::saved(&tables.piece.spec, &Numbers::read(double, &bytes[0]), &marks[..2 * count]),
             places: Numbers::read(double, &bytes[2]),
             undoes: Numbers::read(double, &bytes[3]),
         })
@@ -215,27 +193,39 @@ impl Search for StrideChunk<'_> {
         self.drill.strike(self.session);
         let buffers = [
             &self.jobs[0],
-            &self.waves,
-            &self.drives,
-            &self.cases,
-            &self.drive_of,
-            &self.states,
+            &self.on.waves,
+            &self.on.drives,
+            &self.on.cases,
+            &self.on.drive_of,
+            &self.on.states,
             &self.marks,
-            &self.going,
+            &self.on.going,
         ];
-        let spec = ShaderSpec { entry: Entry::Sweep, ..self.tables.spec };
-        self.session.dispatch(spec, self.job(round, first, count), self.tables.count(), &buffers)
+        let spec = ShaderSpec { entry: Entry::Sweep, ..self.tables.piece.spec };
+        self.session.dispatch(
+            spec,
+            self.tables.piece.job(round, first, count),
+            self.tables.piece.count(),
+            &buffers,
+        )
     }
 
     fn stride(&self, round: u32) -> Result<SubmissionIndex, Failure> {
         self.drill.strike(self.session);
-        let buffers =
-            [&self.jobs[1], &self.cases, &self.going, &self.states, &self.marks, &self.places, &self.undoes];
-        let job = self.job(round, 0, self.tables.numbers);
-        self.session.dispatch(self.tables.spec, job, self.tables.count(), &buffers)
+        let buffers = [
+            &self.jobs[1],
+            &self.on.cases,
+            &self.on.going,
+            &self.on.states,
+            &self.marks,
+            &self.places,
+            &self.undoes,
+        ];
+        let job = self.tables.piece.job(round, 0, self.tables.numbers);
+        self.session.dispatch(self.tables.piece.spec, job, self.tables.piece.count(), &buffers)
     }
 
     fn going(&self) -> &Buffer {
-        &self.going
+        &self.on.going
     }
 }

@@ -93,7 +93,7 @@ impl Meter {
         let inside = turns.iter().map(|u| (piece.indentation(system, *u).0, *u));
         for (delta, u) in inside.chain([(last, 1.0)]) {
             self.see(system, delta, || piece.indentation(system, u).1, piece.memory(u));
-            if let (true, Some(pull)) = (system.branch.touching, system.force.deepest_pull())
+            if let (true, Some(pull)) = (system.branch.touching, system.force.law.form().deepest_pull())
                 && (before - pull) * (delta - pull) < 0.0
             {
                 // The law ignores the rate.
@@ -104,7 +104,7 @@ impl Meter {
         if system.force.turns_anywhere(system.branch) {
             self.see_extremes(system, piece);
         }
-        if system.force.is_viscous() {
+        if system.force.viscous {
             self.pass_viscous(system, piece);
         } else if system.branch.touching {
             self.sums.time += piece.h;
@@ -143,7 +143,7 @@ impl Meter {
         let share = |n: usize| n as f64 / PIECES as f64;
         let pressing = |u: f64| {
             let (delta, rate) = piece.indentation(system, u);
-            system.force.pressing(delta, rate * system.omega, piece.memory(u))
+            system.force.law.form().pressing(delta, rate * system.omega, piece.memory(u))
         };
         for n in 0..PIECES {
             let (from, to) = (share(n), share(n + 1));

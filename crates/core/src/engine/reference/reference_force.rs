@@ -9,9 +9,11 @@ use crate::scene::TermForce;
 /// A law with its constants, and up to four forces beside it, of which the last may remember; SI units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReferenceForce {
-    law: ReferenceLaw,
-    remembers: bool,
-    viscous: bool,
+    pub law: ReferenceLaw,
+    /// Whether it remembers two numbers, as lengths in m.
+    pub remembers: bool,
+    /// Whether the force may end before the tip is out: by the rate, or by what the sample remembers.
+    pub viscous: bool,
     terms: [Option<TermForce>; TERMS],
     neck: Option<ReferenceNeck>,
 }
@@ -40,36 +42,15 @@ impl ReferenceForce {
     fn beside(&self, delta: f64, touching: bool, joined: bool) -> f64 {
         let neck = self.neck.filter(|_| joined).map(|neck| neck.force);
         // While JKR's neck holds a tip that is out of the surface, these forces go by the distance.
-        let drawn_out = delta < 0.0 && self.law.level(true).is_some_and(|level| level < 0.0);
+        let drawn_out = delta < 0.0 && self.law.form().level(true).is_some_and(|level| level < 0.0);
         let inside = touching && !drawn_out;
         self.terms.iter().flatten().chain(&neck).map(|term| beside(term, delta, inside)).sum()
-    }
-
-    /// Whether it remembers two numbers, as lengths in m.
-    pub fn has_memory(&self) -> bool {
-        self.remembers
-    }
-
-    /// Rates (m/s) at which a law with a memory changes it.
-    pub fn remembered(&self, delta: f64, touching: bool, memory: [f64; 2]) -> [f64; 2] {
-        self.law.remembered(delta, touching, memory)
-    }
-
-    /// Whether the force may end before the tip is out: by the rate, or by what the sample remembers.
-    pub fn is_viscous(&self) -> bool {
-        self.viscous
     }
 
     /// Whether the force on a branch may be least or largest where the indentation is not.
     pub fn turns_anywhere(&self, branch: Branch) -> bool {
         let beside = self.neck.is_some() || self.terms.iter().any(Option::is_some);
-        beside || (self.is_viscous() && branch.touching)
-    }
-
-    /// Under a law that depends on the rate (m/s): positive where the sample presses on the tip, which may end before the tip
-    /// is out.
-    pub fn pressing(&self, delta: f64, rate: f64, memory: [f64; 2]) -> f64 {
-        self.law.pressing(delta, rate, memory)
+        beside || (self.viscous && branch.touching)
     }
 
     /// Indentation at which the force that remembers begins to act, or ceases to.
@@ -81,7 +62,7 @@ impl ReferenceForce {
     pub fn change(&self, branch: Branch, delta: f64) -> Option<(f64, Branch)> {
         let Branch { touching, joined } = branch;
         let room = |level: f64, inside: bool| if inside { delta - level } else { level - delta };
-        let contact = self.law.level(touching).map(|level| (room(level, touching), !touching, joined));
+        let contact = self.law.form().level(touching).map(|level| (room(level, touching), !touching, joined));
         let neck = self.neck_level(joined).map(|level| (room(level, joined), touching, !joined));
         // A neck may form at touch: both change at once.
         match (contact, neck) {
@@ -98,7 +79,7 @@ impl ReferenceForce {
 
     /// The branch of a tip that starts at `delta`.
     pub fn branch_at(&self, delta: f64) -> Branch {
-        let touching = self.law.touches(delta);
+        let touching = self.law.form().touches(delta);
         Branch { touching, joined: self.neck_level(false).is_some_and(|forms| delta >= forms) }
     }
 
@@ -114,11 +95,6 @@ impl ReferenceForce {
     /// What a law with hysteresis remembers of its past.
     pub fn past(&self, branch: Branch) -> bool {
         if self.neck.is_some() { branch.joined } else { branch.touching }
-    }
-
-    /// Indentation of the largest pull within the contact branch, if there is one.
-    pub fn deepest_pull(&self) -> Option<f64> {
-        self.law.deepest_pull()
     }
 }
 
@@ -140,7 +116,7 @@ mod tests {
                 let contact = Contact::new(&params);
                 let force = ReferenceForce::new(&contact);
                 let unit = PI * contact.work * contact.radius;
-                let fold = force.law.level(true).unwrap_or(0.0);
+                let fold = force.law.form().level(true).unwrap_or(0.0);
                 for step in 1..4000 {
                     let delta = fold + f64::from(step) * f64::from(step) * 1e-15;
                     for touching in [delta > 0.0 || law == LawChoice::Jkr, delta > 0.0] {
@@ -156,7 +132,7 @@ mod tests {
                         );
                     }
                 }
-                if let Some(pull) = force.deepest_pull() {
+                if let Some(pull) = force.law.form().deepest_pull() {
                     assert!(
                         (force.at(pull, || 0.0, [0.0; 2], Branch { touching: true, joined: false })
                             / (-1.5 * unit)

@@ -6,13 +6,17 @@ use crate::scene::LawChoice;
 use std::f64::consts::PI;
 
 /// The form of a contact law in the reference engine; SI units.
-pub(super) trait ReferenceForm: Copy {
+pub(super) trait ReferenceForm {
     /// From the contact's modulus, radius, work and decay length.
-    fn of(contact: &Contact) -> Self;
+    fn of(contact: &Contact) -> Self
+    where
+        Self: Sized;
 
     /// Force on the tip, N, on its branch. Only a law that needs the rate of indentation (m/s) calls `rate`. `memory` is the
     /// law's, if it has one, as lengths in m.
-    fn at(&self, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2], touching: bool) -> f64;
+    fn at(&self, delta: f64, rate: impl FnOnce() -> f64, memory: [f64; 2], touching: bool) -> f64
+    where
+        Self: Sized;
 
     /// Rates (m/s) at which the memory changes.
     fn remembered(&self, _delta: f64, _touching: bool, _memory: [f64; 2]) -> [f64; 2] {
@@ -66,33 +70,10 @@ macro_rules! reference_law {
                 }
             }
 
-            pub fn remembered(&self, delta: f64, touching: bool, memory: [f64; 2]) -> [f64; 2] {
+            /// The law behind one pointer, for what is rarely asked.
+            pub fn form(&self) -> &dyn ReferenceForm {
                 match self {
-                    $(Self::$law(form) => form.remembered(delta, touching, memory),)*
-                }
-            }
-
-            pub fn pressing(&self, delta: f64, rate: f64, memory: [f64; 2]) -> f64 {
-                match self {
-                    $(Self::$law(form) => form.pressing(delta, rate, memory),)*
-                }
-            }
-
-            pub fn level(&self, touching: bool) -> Option<f64> {
-                match self {
-                    $(Self::$law(form) => form.level(touching),)*
-                }
-            }
-
-            pub fn touches(&self, delta: f64) -> bool {
-                match self {
-                    $(Self::$law(form) => form.touches(delta),)*
-                }
-            }
-
-            pub fn deepest_pull(&self) -> Option<f64> {
-                match self {
-                    $(Self::$law(form) => form.deepest_pull(),)*
+                    $(Self::$law(form) => form,)*
                 }
             }
         }

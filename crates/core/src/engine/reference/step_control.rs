@@ -139,7 +139,7 @@ impl Integrator {
         }
         if let Some(meter) = meter.as_deref_mut() {
             // A viscous contact is counted by its force.
-            let counts = self.system.past() && !before && !self.system.force.is_viscous();
+            let counts = self.system.past() && !before && !self.system.force.viscous;
             meter.sums.begun += f64::from(u8::from(counts));
         }
         self.h = FIRST_STEP_PHASE.min(self.longest);
@@ -255,7 +255,7 @@ impl Integrator {
         let memory = self
             .system
             .force
-            .has_memory()
+            .remembers
             .then(|| [0, 1].map(|m| self.stepper.dense(&self.y, 2 * n + m..2 * n + m + 1, h)));
         DenseStep { theta, h, travel, rate, memory }
     }

@@ -131,13 +131,13 @@ impl System {
 
     /// Unknowns but for the integrals.
     pub fn remembered(&self) -> usize {
-        2 * self.modes() + if self.force.has_memory() { 2 } else { 0 }
+        2 * self.modes() + if self.force.remembers { 2 } else { 0 }
     }
 
     /// The law's memory in a state; zero if it has none.
     pub fn memory_of(&self, y: &[f64]) -> [f64; 2] {
         match y[2 * self.modes()..] {
-            [depth, total, ..] if self.force.has_memory() => [depth, total],
+            [depth, total, ..] if self.force.remembers => [depth, total],
             _ => [0.0; 2],
         }
     }
@@ -224,9 +224,13 @@ impl Rates for System {
         for k in 0..n {
             bent[k] = push[k] * force - loss[k] * v[k] - stiffness[k] * x[k];
         }
-        if self.force.has_memory() {
-            let rates =
-                self.force.remembered(delta, self.branch.touching, memory).map(|rate| rate / self.omega);
+        if self.force.remembers {
+            let rates = self
+                .force
+                .law
+                .form()
+                .remembered(delta, self.branch.touching, memory)
+                .map(|rate| rate / self.omega);
             out[2 * n..2 * n + 2].copy_from_slice(&rates);
         }
         if self.measuring {
