@@ -157,9 +157,25 @@ impl Again {
     fn command(&self, share: usize) -> String {
         let (known, of) = (self.known, self.of);
         let text = self.command.replace(&format!("{known}/{of}"), &format!("{share}/{of}"));
-        let text = text.replace(&format!("{known}-of-{of}"), &format!("{share}-of-{of}"));
+        let text = match (self.name(known), self.name(share)) {
+            // A file that the user named.
+            (Some(own), other)
+                if share != known && text.contains(&own) && !own.contains(&format!("{known}-of-{of}")) =>
+            {
+                let (stem, ending) = own.rsplit_once('.').unwrap_or((&own, "h5"));
+                text.replace(&own, &other.unwrap_or_else(|| format!("{stem}.{share}-of-{of}.{ending}")))
+            }
+            _ => text.replace(&format!("{known}-of-{of}"), &format!("{share}-of-{of}")),
+        };
         let text = text.replace(" --overwrite", "");
         if text.contains("--resume") { text } else { format!("{text} --resume") }
+    }
+
+    /// The name of a share's results file, if it is there.
+    fn name(&self, share: usize) -> Option<String> {
+        let (_, path) = self.files.iter().find(|(number, _)| *number == share)?;
+        let name = path.file_name()?.to_string_lossy();
+        Some(name.strip_suffix(".partial").unwrap_or(&name).to_owned())
     }
 
     fn words(&self, shares: &[usize]) -> String {

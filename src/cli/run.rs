@@ -13,7 +13,7 @@ use super::{STANDARD_INPUT, Verbosity, counted, plan_notice, print_json, values}
 use afmsweep::control::JournaledRun;
 use afmsweep::engine::Progress;
 use afmsweep::store::{self, ExistingFile, Journal, Results, RunFile};
-use afmsweep::sweep::{RunJournal, Share};
+use afmsweep::sweep::{RunJournal, Share, read_header};
 use afmsweep::{Audit, Error, Scene, Status, Sweep};
 use anyhow::Context;
 use run_messages::Messages;
@@ -154,6 +154,18 @@ struct StartedRun {
     folder: Option<PathBuf>,
 }
 
+/// Refuses to replace the file of another share.
+fn keep_other_share(output: &Path, share: Share) -> anyhow::Result<()> {
+    let there = store::open_journal(output).ok().and_then(|journal| read_header(journal.header()).ok());
+    match there {
+        Some((_, of)) if of != share => anyhow::bail!(
+            "{} holds share {of} of a run, and this run is share {share}: name another file with -o, or replace it with --overwrite",
+            output.display()
+        ),
+        _ => Ok(()),
+    }
+}
+
 fn begin(
     args: &RunArgs,
     scene: Scene,
@@ -164,6 +176,10 @@ fn begin(
     if [output.clone(), store::partial_path(&output)].iter().any(|path| store::same_file(&args.scene, path)) {
         anyhow::bail!("{} is the scene itself; name another file with -o", output.display());
     }
+    let share = args.shard.unwrap_or(Share::ALL);
+    if !args.overwrite {
+        keep_other_share(&output, share)?;
+    }
     let prepared = args.choices.as_deref().map(prepare::read).transpose()?;
     let (file, earlier) = RunFile::create(&output, &scene.source, args.earlier())?;
     let folder = file.made_folder().filter(|_| args.output.is_some()).map(Path::to_path_buf);
@@ -171,7 +187,6 @@ fn begin(
         lost(journal, file.partial(), voice);
     }
     let partial = file.partial().to_path_buf();
-    let share = args.shard.unwrap_or(Share::ALL);
     let anyway = args.resume == Some(Resume::Anyway);
     let keeper = RunJournal::of_run(file, earlier, share, anyway)?;
     if args.resume.is_some() {

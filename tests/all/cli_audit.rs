@@ -113,6 +113,18 @@ fn an_audit_that_misses_is_marked_warned_of_and_told_in_the_file() {
     }
 }
 
+/// Twenty periods are too few for the paper's lever.
+const NEVER_STEADY: &str = r#"
+[drive]
+free_amplitude = "1 nm"
+frequency = "30 kHz"
+[sweep]
+"approach.gap" = { from = "0.1 nm", to = "0.9 nm", points = 5 }
+[run]
+periods = 20
+measure = 5
+"#;
+
 #[test]
 fn a_strict_run_ends_with_3_where_the_accuracy_is_missed_and_its_file_is_whole() {
     let desk = Desk::new();
@@ -143,6 +155,12 @@ fn a_strict_run_ends_with_3_where_the_accuracy_is_missed_and_its_file_is_whole()
     }
     // The reference's own results are what others are measured by.
     desk.works(&["run", path, "--strict", "--backend", "reference", "-q"]);
+    // Where no instance is ok, nothing is known to be accurate.
+    desk.write("never.toml", NEVER_STEADY);
+    let said = desk.call(&["run", "never.toml", "-q", "--strict"]);
+    assert!(said.code == Some(3) && said.err.contains("no instance is called ok"), "{}", said.err);
+    let told = desk.json(&["run", "never.toml", "-q", "--json", "--overwrite"]);
+    assert_eq!((&told["accuracy_met"], &told["status"]["not_steady"]), (&false.into(), &5.into()), "{told}");
 }
 
 /// A gap beyond the free swing leaves the free motion, which needs no audit: it used to come out as an error of infinity.

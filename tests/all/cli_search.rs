@@ -3,6 +3,7 @@
 
 use crate::program;
 use crate::program::{Desk, variable};
+use afmsweep::Status;
 use afmsweep::store::{NO_STATE, Results, read};
 
 /// The tapping point of tests/hard/branch_repulsive.toml with other lines under [run].
@@ -206,4 +207,41 @@ fn the_branch_that_holds_a_set_point_is_told() {
     );
     let kept = said("25 nm", "setpoint_branch = \"repulsive\"");
     assert!(!kept.contains("hold the set-point"), "{kept}");
+}
+
+/// Set-points that no gap holds have no state: they are not counted among the states found, and their multipliers are no numbers.
+#[test]
+fn set_points_without_a_gap_are_counted_once() {
+    let desk = Desk::new();
+    desk.write(
+        "set.toml",
+        r#"
+        [instrument]
+        cantilever = { stiffness = "26 N/m", frequency = "300 kHz", quality_factor = 200 }
+        tip = { radius = "10 nm", youngs_modulus = "130 GPa", poisson_ratio = 0.28 }
+        [sample]
+        youngs_modulus = "2.0 GPa"
+        poisson_ratio = 0.34
+        surface_energy = "100 mJ/m^2"
+        [contact]
+        law = "dmt"
+        [drive]
+        on = "tip"
+        frequency = "resonance"
+        free_amplitude = "20 nm"
+        [sweep]
+        "approach.force_setpoint" = { values = ["0.1 nN", "0.5 nN", "1 nN", "2 nN", "3 nN", "5 nN", "6 nN", "7 nN", "8 nN"] }
+        "#,
+    );
+    let said = desk.works(&["run", "set.toml", "--no-audit"]);
+    let results = read(&desk.path("results/set.h5")).unwrap();
+    let lost: Vec<bool> = results.status.iter().map(|code| *code == Status::NoSetpoint as u8).collect();
+    let count = lost.iter().filter(|one| **one).count();
+    assert!(count > 0, "{:?}", results.status);
+    let unknown: Vec<bool> =
+        variable(&results, "multiplier").iter().map(|multiplier| multiplier.is_nan()).collect();
+    assert_eq!(lost, unknown);
+    let found = format!("periodic states of {} of 9 instances", 9 - count);
+    let rest = format!("; 0 waited for; {count} without a gap that holds the set-point");
+    assert!(said.err.contains(&found) && said.err.contains(&rest), "{}", said.err);
 }

@@ -120,6 +120,13 @@ fn a_merge_names_what_is_missing_and_how_to_make_it() {
             "share 4/4",
         ],
     );
+    // A name that does not follow the share is not proposed for another one, whose run would replace the file.
+    run("tapping.toml", "2/2", &["-o", "own.h5"]);
+    let proposed =
+        "share 1/2 has no file here: afmsweep run tapping.toml -q --shard 1/2 -o own.1-of-2.h5 --resume";
+    merge(&["own.h5"], &[proposed]);
+    let other = ["run", "tapping.toml", "-q", "--shard", "1/2", "-o", "own.h5", "--resume"];
+    desk.refuses(&other, &["own.h5 holds share 2/2 of a run, and this run is share 1/2", "--overwrite"]);
     merge(&[&a, &b, &c, &d, &b], &["are both share 2/4"]);
     merge(&[&a, &file("other.2-of-4.h5"), &c, &d], &["are not of one run"]);
     merge(&[&file("tapping.1-of-3.h5"), &b], &["are not of one run"]);

@@ -81,9 +81,10 @@ impl ErrorSummary {
         })
     }
 
-    /// Whether every instance was run, each that is ok has an estimate or an audit, and no known error is above the accuracy.
+    /// Whether every instance was run, some are ok, each of these has an estimate or an audit, and no known error is above the
+    /// accuracy.
     pub fn met(&self) -> bool {
-        self.not_run == 0 && self.not_met == 0 && self.above == 0 && self.unknown == 0
+        self.ok > 0 && self.not_run == 0 && self.not_met == 0 && self.above == 0 && self.unknown == 0
     }
 
     /// The verdict as text, for the file and the terminal.
@@ -105,11 +106,11 @@ impl ErrorSummary {
         if self.unknown > 0 {
             parts.push(format!("{} instances called ok were neither estimated nor audited", self.unknown));
         }
+        if self.ok == 0 {
+            parts.push("no instance is called ok".into());
+        }
         if self.met() {
-            parts.push(match self.ok {
-                0 => "no instance is called ok".into(),
-                ok => format!("nothing above it is known of the {ok} instances called ok"),
-            });
+            parts.push(format!("nothing above it is known of the {} instances called ok", self.ok));
         }
         format!("asked for {:e}: {}; audited {}", self.accuracy, parts.join("; "), self.compared)
     }

@@ -167,7 +167,8 @@ fn hold(
             }
         }
         for (i, state) in tried.into_iter().zip(now.found) {
-            all.found[i as usize] = state;
+            let lost = all.outcome.results[i as usize].status == Status::NoSetpoint;
+            all.found[i as usize] = state.filter(|_| !lost);
         }
         left = next;
     }

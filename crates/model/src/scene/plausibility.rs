@@ -38,19 +38,24 @@ pub(super) fn possible(
     found: impl Fn() -> String,
     address: Address,
 ) -> Checked<()> {
-    let &Quantity { usual, possible, dimension, domain, .. } = address.quantity;
-    if within(number, possible) {
-        return Ok(());
+    match sizes_missed(number, address) {
+        None => Ok(()),
+        Some(sizes) => Err(Fault::at(place, format!("`{}` has an impossible size", address.path()))
+            .label(format!("found {}", found()))
+            .expected(sizes)
+            .help(CHECK_SIZE)),
     }
-    Err(Fault::at(place, format!("`{}` has an impossible size", address.path()))
-        .label(format!("found {}", found()))
-        .expected(format!(
-            "a size {}{}; {} is usual",
-            described(possible, dimension),
-            if domain.holds(f64::INFINITY) { ", or inf" } else { "" },
-            described(usual, dimension)
-        ))
-        .help("check the exponent and the unit"))
+}
+
+/// What to do about a size that no matter has.
+pub(super) const CHECK_SIZE: &str = "check the exponent and the unit";
+
+/// Which sizes are possible, where this one is not.
+pub(super) fn sizes_missed(number: f64, address: Address) -> Option<String> {
+    let &Quantity { usual, possible, dimension, domain, .. } = address.quantity;
+    let or_inf = if domain.holds(f64::INFINITY) { ", or inf" } else { "" };
+    let (most, common) = (described(possible, dimension), described(usual, dimension));
+    (!within(number, possible)).then(|| format!("a size {most}{or_inf}; {common} is usual"))
 }
 
 impl Scene {

@@ -2,6 +2,7 @@
 
 use super::address::Address;
 use super::axes::MOST_INSTANCES;
+use super::plausibility::{self, CHECK_SIZE};
 use super::quantities::QUANTITIES;
 use super::scene_error::{Checked, Fault};
 use crate::suggestion::nearest;
@@ -127,6 +128,12 @@ impl Reading<'_> {
 
     /// What the columns are.
     fn header(&self, header: &csv::StringRecord) -> Checked<Vec<Column>> {
+        if header.is_empty() {
+            return Err(self
+                .fault(format!("the table {} is empty", self.name), "it has no line")
+                .expected(HEADER)
+                .help("write a header and a row for each sample"));
+        }
         if header.iter().all(|cell| cell.parse::<f64>().is_ok()) {
             return Err(self
                 .fault(format!("the table {} has no header", self.name), "its first line has numbers alone")
@@ -282,11 +289,14 @@ impl Reading<'_> {
             }));
         };
         let domain = address.quantity.domain;
-        match domain.holds(number) {
-            true => Ok(number),
-            false => {
-                Err(fault("has an impossible value").expected(domain.described()).help(domain.advice(number)))
-            }
+        if !domain.holds(number) {
+            return Err(fault("has an impossible value")
+                .expected(domain.described())
+                .help(domain.advice(number)));
+        }
+        match plausibility::sizes_missed(number, address) {
+            None => Ok(number),
+            Some(sizes) => Err(fault("has an impossible size").expected(sizes).help(CHECK_SIZE)),
         }
     }
 }
