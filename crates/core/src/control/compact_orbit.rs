@@ -60,6 +60,7 @@ impl CompactOrbit {
             steps,
             basis: kept,
             jacobian: Jacobian::Unknown,
+            gap_slope: None,
         })
     }
 }

@@ -57,6 +57,8 @@ pub struct PeriodicState {
     pub basis: Arc<ReducedBasis>,
     /// The period map's Jacobian near the state; unknown if no search is to start here.
     pub jacobian: Jacobian,
+    /// The slope of its set-point's residual over the gap, 1/m, where it is known.
+    pub gap_slope: Option<f64>,
 }
 
 impl PeriodicState {
@@ -69,6 +71,7 @@ impl PeriodicState {
             steps,
             basis: Arc::clone(kept),
             jacobian: Jacobian::Unknown,
+            gap_slope: None,
         }
     }
 

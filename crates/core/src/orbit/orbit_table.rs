@@ -92,6 +92,7 @@ impl OrbitTable {
             steps,
             basis: kept,
             jacobian: Jacobian::Unknown,
+            gap_slope: None,
         })
     }
 

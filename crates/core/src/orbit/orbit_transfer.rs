@@ -120,6 +120,7 @@ mod tests {
             steps,
             basis: Arc::clone(&plan.driven(8).kept),
             jacobian: Jacobian::Unknown,
+            gap_slope: None,
         }
     }
 

@@ -370,6 +370,7 @@ impl SearchBatch<'_> {
                 steps: self.plan.steps(instance),
                 basis: Arc::clone(&self.plan.driven(instance).kept),
                 jacobian: Jacobian::Monodromy(found.slope.as_slice().into()),
+                gap_slope: None,
             })),
         }
     }

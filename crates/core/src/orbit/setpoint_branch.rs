@@ -113,14 +113,15 @@ pub(super) fn seeds() -> impl Iterator<Item = (Option<f64>, f64)> {
     own.into_iter().chain(others)
 }
 
-/// The gap at which the secant through two points holds the set-point, and the state of the nearer one.
+/// The gap at which the secant through two points holds the set-point, and the state of the nearer one with the secant's slope.
 pub(super) fn interpolated_point(one: &BranchPoint, other: &BranchPoint) -> (f64, PeriodicState) {
     let share = match one.miss == other.miss {
         true => 1.0,
         false => one.miss / (one.miss - other.miss),
     };
     let nearer = if share < 0.5 { one } else { other };
-    (one.gap + share * (other.gap - one.gap), nearer.state.clone())
+    let gap_slope = Some((one.miss - other.miss) / (one.gap - other.gap));
+    (one.gap + share * (other.gap - one.gap), PeriodicState { gap_slope, ..nearer.state.clone() })
 }
 
 /// A gap at which the sample is hardly felt.

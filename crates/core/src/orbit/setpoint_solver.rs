@@ -8,10 +8,11 @@ use crate::observe::Status;
 use crate::plan::{BasisRule, Plan};
 use crate::scene::Held;
 
-/// Gaps are tried until the residual is at most this share of the accuracy. After the last one the whole accuracy will do.
+/// Gaps are tried until the residual is at most this share of the accuracy, and the gap is known to this share of the accuracy
+/// in free amplitudes. After the last one the whole accuracy will do.
 const SETPOINT_TOL_SHARE: f64 = 0.05;
 /// Gaps tried in one run of an instance.
-const MAX_SECANT_STEPS: u32 = 12;
+const MAX_SECANT_STEPS: u32 = 16;
 /// Longest step from one gap to the next, in free amplitudes.
 const MAX_GAP_STEP_AMPLITUDES: f64 = 0.05;
 /// Largest growth of a step, relative to the one before.
@@ -31,21 +32,30 @@ pub(super) fn solve_first(
     let richer = |i: &u32| plan.driven(*i).kept.modes != poor.driven(*i).kept.modes;
     let steady = |i: &u32| settled.outcome.results[*i as usize].status.is_steady();
     let astray: Vec<u32> = plan.stepped().into_iter().filter(|i| richer(i) && !steady(i)).collect();
-    if astray.is_empty() || progress.stopped() {
-        settled.outcome.notes.extend(depths(&settled, &too_deep));
-        return Ok(settled);
-    }
-    let mut part = plan.part(&astray);
-    let nominal: Vec<f64> = astray.iter().map(|i| poor.case(*i).gap).collect();
-    part = part.with_gaps(&nominal);
-    let own = part.clone();
-    let (again, deeper) = approach_and_hold(&mut part, &own, engine, progress)?;
-    too_deep.retain(|(i, _)| astray.binary_search(i).is_err());
-    too_deep.extend(deeper.into_iter().map(|(place, miss)| (astray[place as usize], miss)));
-    plan.take_gaps(&astray, &part);
-    settled.take(&astray, again);
-    settled.outcome.notes.extend(depths(&settled, &too_deep));
+    approach_again(plan, &astray, (&mut settled, &mut too_deep), engine, progress)?;
     Ok(settled)
+}
+
+/// Approaches the set-points of these instances once more, with the plan's own steps and bases. Notes what is not met then.
+fn approach_again(
+    plan: &mut Plan,
+    astray: &[u32],
+    (settled, too_deep): (&mut OrbitSolution, &mut Vec<(u32, f64)>),
+    engine: &dyn Engine,
+    progress: &Progress,
+) -> Result<(), EngineError> {
+    if !astray.is_empty() && !progress.stopped() {
+        let far: Vec<f64> = astray.iter().map(|i| plan.ensemble.gap(plan.id(*i))).collect();
+        let mut part = plan.part(astray).with_gaps(&far);
+        let own = part.clone();
+        let (again, deeper) = approach_and_hold(&mut part, &own, engine, progress)?;
+        too_deep.retain(|(i, _)| astray.binary_search(i).is_err());
+        too_deep.extend(deeper.into_iter().map(|(place, miss)| (astray[place as usize], miss)));
+        plan.take_gaps(astray, &part);
+        settled.take(astray, again);
+    }
+    settled.outcome.notes.extend(depths(settled, too_deep));
+    Ok(())
 }
 
 /// A note on the residuals of set-points that are not met down to the largest depth.
@@ -95,7 +105,8 @@ fn approach_and_hold(
     Ok((settled, approached.too_deep))
 }
 
-/// Runs a plan with set-points again, from gaps and states that held them with other steps or levers.
+/// Runs a plan with set-points again, from gaps and states that held them with other steps or levers. A set-point that is no
+/// longer held near there is approached anew.
 pub(super) fn hold_again(
     plan: &mut Plan,
     near: &[Option<&PeriodicState>],
@@ -103,19 +114,16 @@ pub(super) fn hold_again(
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
     let all: Vec<u32> = plan.instances().collect();
-    hold(plan, &all, near, engine, progress)
+    let held_before: Vec<u32> = plan.stepped().into_iter().filter(|i| !plan.case(*i).gap.is_nan()).collect();
+    let mut settled = hold(plan, &all, near, engine, progress)?;
+    let is_lost = |i: &u32| settled.outcome.results[*i as usize].status == Status::NoSetpoint;
+    let lost: Vec<u32> = held_before.into_iter().filter(is_lost).collect();
+    approach_again(plan, &lost, (&mut settled, &mut Vec::new()), engine, progress)?;
+    Ok(settled)
 }
 
 /// The result of an instance whose set-point no gap holds.
 const NO_SETPOINT: Finished = Finished { status: Status::NoSetpoint, ..Finished::NOT_RUN };
-
-/// An instance whose gap is an unknown.
-struct GapIterate {
-    instance: u32,
-    gap: f64,
-    /// The gap before, and its residual.
-    before: Option<(f64, f64)>,
-}
 
 /// Holds the set-points of these instances, and writes the gaps that do so to the plan.
 fn hold(
@@ -133,8 +141,9 @@ fn hold(
     for i in lost {
         (gaps[i as usize], all.outcome.results[i as usize]) = (f64::NAN, NO_SETPOINT);
     }
-    let mut left: Vec<GapIterate> =
-        held.into_iter().map(|i| GapIterate { instance: i, gap: gaps[i as usize], before: None }).collect();
+    let state = |i: u32| near.get(i as usize).copied().flatten();
+    let begin = |i: u32| GapIterate::new(i, gaps[i as usize], state(i).and_then(|state| state.gap_slope));
+    let mut left: Vec<GapIterate> = held.into_iter().map(begin).collect();
     for number in 1..=MAX_SECANT_STEPS {
         if left.is_empty() || progress.stopped() {
             break;
@@ -142,33 +151,32 @@ fn hold(
         let tried: Vec<u32> = left.iter().map(|one| one.instance).collect();
         let places: Vec<f64> = left.iter().map(|one| one.gap).collect();
         let part = plan.part(&tried).with_gaps(&places);
-        let states: Vec<Option<&PeriodicState>> = tried
-            .iter()
-            .map(|i| all.found[*i as usize].as_deref().or_else(|| near.get(*i as usize).copied().flatten()))
-            .collect();
-        let now = solve(&part, &states, engine, progress)?;
-        all.outcome.notes.extend(now.outcome.notes);
+        let states: Vec<Option<&PeriodicState>> =
+            tried.iter().map(|i| all.found[*i as usize].as_deref().or_else(|| state(*i))).collect();
+        let mut now = solve(&part, &states, engine, progress)?;
+        all.outcome.notes.append(&mut now.outcome.notes);
         let mut next = Vec::new();
-        for (place, (one, finished)) in left.into_iter().zip(now.outcome.results).enumerate() {
-            let i = one.instance as usize;
-            gaps[i] = one.gap;
+        for (place, mut one) in left.into_iter().enumerate() {
+            let (i, finished) = (one.instance as usize, now.outcome.results[place]);
+            (gaps[i], all.outcome.results[i]) = (one.gap, finished);
             all.periods[i] += now.periods[place];
+            all.found[i] = now.found[place].take();
+            if !finished.status.is_steady() {
+                continue;
+            }
             let missed = setpoint_residual(&part, place as u32, &finished);
-            let steady = finished.status.is_steady();
-            let met = missed.abs() <= SETPOINT_TOL_SHARE * plan.run.accuracy;
-            all.outcome.results[i] = finished;
-            if !steady || met {
+            one.learn(missed);
+            all.found[i].iter_mut().for_each(|state| state.gap_slope = one.slope);
+            let error = one.error(missed, part.driven(place as u32).free_amplitude());
+            if error <= SETPOINT_TOL_SHARE * plan.run.accuracy {
                 continue;
             }
             if number < MAX_SECANT_STEPS {
-                next.push(one.next_iterate(&part, place as u32, missed, &finished));
-            } else if missed.abs() > plan.run.accuracy {
-                (gaps[i], all.outcome.results[i]) = (f64::NAN, NO_SETPOINT);
+                one.advance(&part, place as u32, missed, &finished);
+                next.push(one);
+            } else if error.is_nan() || error > plan.run.accuracy {
+                (gaps[i], all.outcome.results[i], all.found[i]) = (f64::NAN, NO_SETPOINT, None);
             }
-        }
-        for (i, state) in tried.into_iter().zip(now.found) {
-            let lost = all.outcome.results[i as usize].status == Status::NoSetpoint;
-            all.found[i as usize] = state.filter(|_| !lost);
         }
         left = next;
     }
@@ -178,12 +186,49 @@ fn hold(
     Ok(all)
 }
 
+/// An instance whose gap is an unknown.
+struct GapIterate {
+    instance: u32,
+    gap: f64,
+    /// The slope of the residual over the gap, 1/m, if it is known.
+    slope: Option<f64>,
+    /// The gap before, and its residual.
+    before: Option<(f64, f64)>,
+    /// The smallest gap known to be too large, and the largest one known to be too small.
+    too_far: f64,
+    too_near: f64,
+}
+
 impl GapIterate {
-    /// The next gap, by the secant or by an estimated slope.
-    fn next_iterate(&self, part: &Plan, i: u32, missed: f64, finished: &Finished) -> Self {
-        let amplitude = part.driven(i).free_amplitude();
+    fn new(instance: u32, gap: f64, slope: Option<f64>) -> Self {
+        Self { instance, gap, slope, before: None, too_far: f64::INFINITY, too_near: f64::NEG_INFINITY }
+    }
+
+    /// Learns from the residual at its gap.
+    fn learn(&mut self, missed: f64) {
         let secant = |(gap, other): (f64, f64)| (missed - other) / (self.gap - gap);
-        let slope = self.before.map(secant).filter(|slope| slope.is_finite() && *slope > 0.0);
+        self.slope = self.before.map_or(self.slope, |before| Some(secant(before)));
+        self.slope = self.slope.filter(|slope| slope.is_finite() && *slope > 0.0);
+        match missed > 0.0 {
+            true => self.too_far = self.too_far.min(self.gap),
+            false => self.too_near = self.too_near.max(self.gap),
+        }
+    }
+
+    /// The bracket around the gap that is looked for, m; infinite as long as it is open.
+    fn bracket(&self) -> f64 {
+        (self.too_far - self.too_near).abs()
+    }
+
+    /// The residual, or the error of the gap in free amplitudes, by the slope or by the bracket: whichever is larger.
+    fn error(&self, missed: f64, amplitude: f64) -> f64 {
+        let by_slope = self.slope.map_or(f64::INFINITY, |slope| missed.abs() / slope);
+        missed.abs().max(by_slope.min(self.bracket()) / amplitude)
+    }
+
+    /// Moves to the next gap: by the secant, by an estimated slope, or to the middle of the bracket where these leave it.
+    fn advance(&mut self, part: &Plan, i: u32, missed: f64, finished: &Finished) {
+        let amplitude = part.driven(i).free_amplitude();
         let likely = match part.setpoint(i).map(|setpoint| setpoint.held) {
             // The tip follows its sample and presses only a little more.
             Some(Held::Force(_)) => 0.15 / finished.measured.indentation_max.max(1e-3 * amplitude),
@@ -195,7 +240,13 @@ impl GapIterate {
             }
             None => MAX_GAP_STEP_AMPLITUDES * amplitude,
         };
-        let step = (-missed / slope.unwrap_or(likely)).clamp(-most, most);
-        Self { instance: self.instance, gap: self.gap + step, before: Some((self.gap, missed)) }
+        let step = (-missed / self.slope.unwrap_or(likely)).clamp(-most, most);
+        self.before = Some((self.gap, missed));
+        self.gap += step;
+        let (low, high) = (self.too_near, self.too_far);
+        let is_inside = low < self.gap && self.gap < high;
+        if low < high && self.bracket().is_finite() && (self.slope.is_none() || !is_inside) {
+            self.gap = 0.5 * (low + high);
+        }
     }
 }

@@ -36,7 +36,7 @@ fn told(error: &InstrumentError) -> (&'static [&'static str], &'static str, &'st
     match error {
         E::BadValue { expected, .. } => (&["instrument", "drive"], expected, "correct this value"),
         E::NoDimensions => (
-            &["instrument.cantilever"],
+            &["instrument.cantilever.stiffness", "instrument.cantilever"],
             "a lever given by its dimensions",
             "give length, width, thickness, density and youngs_modulus",
         ),
