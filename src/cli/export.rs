@@ -95,7 +95,8 @@ fn of_results(args: &ExportArgs, format: Format, voice: Verbosity) -> anyhow::Re
     }
     if failed > 0 {
         let done = if args.failed == Failed::Drop { "left out" } else { "written all the same" };
-        voice.say(format_args!("{failed} instances that are not ok were {done}"));
+        let what = if failed == 1 { "instance that is not ok was" } else { "instances that are not ok were" };
+        voice.say(format_args!("{failed} {what} {done}"));
     }
     Ok(())
 }

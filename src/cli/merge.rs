@@ -72,6 +72,9 @@ pub fn main(args: &MergeArgs, voice: Verbosity) -> anyhow::Result<()> {
     signals::listen(&progress, voice);
     let parts: Vec<Part> = args.files.iter().map(|path| part(path, voice)).collect::<Result<_, _>>()?;
     fit(&parts)?;
+    if let Some(part) = parts.iter().find(|part| store::same_file(&part.path, &args.output)) {
+        bail!("{} is one of the shares: give the merged results another name with -o", part.path.display());
+    }
     let Some(first) = parts.first() else { bail!("no files to merge") };
     let prepared = first.prepared.clone();
     let share = Share { number: 1, of: first.share.of };

@@ -133,6 +133,8 @@ fn a_merge_names_what_is_missing_and_how_to_make_it() {
     merge(&["tapping.toml"], &["tapping.toml is no results file", "no HDF5 file"]);
     desk.works(&["run", "tapping.toml", "-q", "-o", "whole.h5", "--no-audit"]);
     merge(&["whole.h5"], &["whole results, not a share"]);
+    let onto = ["merge", &a, &b, &c, &d, "-o", &c];
+    desk.refuses(&onto, &["tapping.3-of-4.h5 is one of the shares", "another name"]);
     let torn = std::fs::read(&b).unwrap();
     std::fs::write(&b, &torn[..torn.len() / 2]).unwrap();
     merge(&[&a, &b, &c, &d], &[&b, "cut short"]);

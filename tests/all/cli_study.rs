@@ -245,6 +245,8 @@ fn inference_tells_modulus_and_prediction() {
     ] {
         desk.refuses(&["infer", "results/prior.h5", "--observed", seen], &[words]);
     }
+    let twice = ["--observed", "amplitude=17 nm +- 1 nm", "--observed", "amplitude=16 nm +- 1 nm"];
+    desk.refuses(&[&["infer", "results/prior.h5"], &twice[..]].concat(), &["gives amplitude twice"]);
 }
 
 /// Truth: the numbers of `--json`.

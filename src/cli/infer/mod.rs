@@ -127,6 +127,14 @@ fn of_values(study: &Study, args: &InferArgs) -> anyhow::Result<Vec<InferenceAns
     }
     let observed: Vec<Observed> =
         args.observed.iter().map(|text| read(text, study)).collect::<anyhow::Result<_>>()?;
+    for (n, one) in observed.iter().enumerate() {
+        if observed[..n].iter().any(|other| other.name == one.name) {
+            bail!(
+                "--observed gives {} twice: combine the two values into one with its standard deviation",
+                one.name
+            );
+        }
+    }
     let fixed = sweep_point::fixed(study, &args.at)?;
     if let Some(number) = study.curve().filter(|number| fixed[*number].is_none()) {
         let axis = &study.beside[number];

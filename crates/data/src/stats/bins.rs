@@ -1,6 +1,6 @@
 //! First-order indices from any sample: how much of the variance lies between bins of a parameter.
 
-use super::estimate::{Estimate, Spread};
+use super::estimate::{Estimate, NORMAL_95, Spread};
 
 /// Most bins.
 const BINS: usize = 64;
@@ -81,6 +81,12 @@ fn mean_by_chance(cells: &[(f64, f64)]) -> f64 {
     squares / (count - 1.0) / count
 }
 
+/// Standard deviation of a share that is nothing but chance: the scatter of what lies between so many bins of samples drawn
+/// one by one (chi-squared with a degree of freedom less than bins). A bootstrap repeats samples within a bin and finds less.
+fn sd_by_chance(share: f64, samples: usize, bins: usize) -> f64 {
+    (2.0 * (bins as f64 - 1.0)).sqrt() * (1.0 - share).max(0.0) / (samples - bins) as f64
+}
+
 /// First-order indices of every parameter. What a parameter does inside a bin is left out, a share of about one over the
 /// square of the bins. Half as many bins leave out several times as much, so intervals are widened by what these lack.
 ///
@@ -106,6 +112,9 @@ pub fn first_order(output: &[f64], parameters: &[&[f64]], units: &[u32], spread:
     let coarser = if count < 4 { vec![0.0; found.len()] } else { shares(&cut(count / 2), units) };
     for (one, coarser) in found.iter_mut().zip(coarser) {
         one.half_width += (one.value - coarser).max(0.0);
+        if replicates == 1 {
+            one.half_width = one.half_width.max(NORMAL_95 * sd_by_chance(one.value, units.len(), count));
+        }
     }
     found
 }
@@ -114,6 +123,27 @@ pub fn first_order(output: &[f64], parameters: &[&[f64]], units: &[u32], spread:
 mod tests {
     use super::*;
     use crate::design::{Mix, normal_quantile};
+
+    /// Truth: a parameter that does nothing has a share of 0, which intervals of 95 % hold in most samples.
+    #[test]
+    fn intervals_hold_the_share_of_what_does_nothing() {
+        for count in [64, 128, 255, 1024] {
+            for spread in [Spread::Bootstrap(1), Spread::Replicates(8)] {
+                let held = (0..200).filter(|seed| {
+                    let mix = Mix::new(*seed);
+                    let drawn = |from: u64| -> Vec<f64> {
+                        let number = |i| (mix.of(from + i).below(1 << 30) as f64 + 0.5) / (1u64 << 30) as f64;
+                        (0..count).map(number).collect()
+                    };
+                    let (output, parameter) = (drawn(0), drawn(1 << 32));
+                    let units: Vec<u32> = (0..count as u32).collect();
+                    first_order(&output, &[&parameter], &units, spread)[0].holds_zero()
+                });
+                let held = held.count();
+                assert!(held >= 180, "{count} {spread:?}: {held} of 200");
+            }
+        }
+    }
 
     /// Truth: the one quantity there is explains all. The interval holds that with few rows too, and tightens with many.
     #[test]

@@ -74,7 +74,8 @@ impl Contact {
         rising.reverse();
         let (back, jumps_out) = bent.way(CurveBranch::Retract, &rising);
         let released = |all: &[(Jump, f64)]| all.iter().map(|(_, energy)| energy).sum::<f64>();
-        let loss_j = released(&jumps_in) + released(&jumps_out);
+        // A sum of nothing is -0.
+        let loss_j = 0.0 + released(&jumps_in) + released(&jumps_out);
         let largest = |all: Vec<(Jump, f64)>| {
             all.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).map(|(jump, _)| jump)
         };

@@ -173,7 +173,10 @@ impl Reading<'_> {
         };
         let Some(address) = Address::find(path) else {
             let known = QUANTITIES.iter().map(|quantity| quantity.path);
-            let meant = nearest(path, known).map(|meant| format!("did you mean `{meant}`?"));
+            let meant = match cell.contains([';', '\t']) {
+                true => Some("write commas between the columns".to_owned()),
+                false => nearest(path, known).map(|meant| format!("did you mean `{meant}`?")),
+            };
             return Err(self
                 .fault(
                     format!("column {number} is no quantity of a scene"),

@@ -84,10 +84,10 @@ pub fn open(path: &Path) -> Result<Journal, StoreError> {
     }
     let file = File::open(path).map_err(|_| foreign("it is no HDF5 file, or cut short"))?;
     let Ok(dataset) = file.dataset(JOURNAL) else {
-        return Err(foreign(match read_text(&file, "title") {
-            Some(_) => "it holds whole results, not a share of a run",
-            None => "it holds no share of a run",
-        }));
+        return Err(match read_text(&file, "title") {
+            Some(_) => StoreError::NoShare { path: path.to_path_buf() },
+            None => foreign("it holds no share of a run"),
+        });
     };
     if as_written.is_none() {
         return Err(damaged("its end is not what the run wrote"));

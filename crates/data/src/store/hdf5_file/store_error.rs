@@ -61,6 +61,8 @@ pub enum StoreError {
     Partial { path: PathBuf },
     #[error("{} is no results file of afmsweep: {why}", path.display())]
     Foreign { path: PathBuf, why: String },
+    #[error("{} holds whole results, not a share of a run", path.display())]
+    NoShare { path: PathBuf },
     #[error("{} is damaged or cut short ({why}); copy it again from its source, or run the scene again", path.display())]
     Damaged { path: PathBuf, why: String },
     #[error(
