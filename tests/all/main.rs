@@ -43,6 +43,7 @@ mod agree_relaxing;
 mod agree_scaled;
 mod agree_search;
 mod agree_setpoint;
+mod agree_setpoint_gap;
 mod agree_shapes;
 mod agree_threads;
 mod agree_viscous;

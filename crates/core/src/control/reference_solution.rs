@@ -145,8 +145,22 @@ pub(super) fn reference_solutions(
     Ok(near.into_iter().map(|one| one.or_else(|| whole.next()).unwrap_or(lost)).collect())
 }
 
-/// The reference's periodic states of these instances near where the stepped engine was. None if there is none, or the start
-/// matters.
+/// The reference's periodic state of an instance near a section state, at the plan's gap.
+fn near_station(
+    (plan, n): (&Plan, usize),
+    station: &SectionState,
+    reference: &Reference,
+    progress: &Progress,
+) -> Result<Option<Finished>, EngineError> {
+    let near = solve_near(plan, n, station, reference, progress)?;
+    match near.and_then(|one| finer(plan, n, &one.measured, reference)) {
+        Some(finer) => solve_near(plan, n, station, &finer, progress),
+        None => Ok(near),
+    }
+}
+
+/// The reference's periodic states of these instances near where the stepped engine was, at their gaps or at those that hold
+/// their set-points. None if there is none, or the start matters.
 fn near(
     (plan, instances): (&Plan, &[u32]),
     known: KnownSections,
@@ -165,10 +179,14 @@ fn near(
         .par_bridge()
         .filter_map(|(n, station)| Some((n, station.as_ref()?)))
         .map(|(n, station)| {
-            let mut near = solve_near(&part, n, station, reference, progress)?;
-            if let Some(finer) = near.and_then(|one| finer(&part, n, &one.measured, reference)) {
-                near = solve_near(&part, n, station, &finer, progress)?;
-            }
+            let near = match part.has_setpoints() {
+                true => {
+                    let tolerance = SETPOINT_TOL_SHARE * part.run.accuracy;
+                    let at = |plan: &Plan| near_station((plan, 0), station, reference, progress);
+                    orbit::hold_setpoint(&part.part(&[n as u32]), tolerance, at)?
+                }
+                false => near_station((&part, n), station, reference, progress)?,
+            };
             told(instances[n], near.as_ref());
             progress.done(1);
             Ok((n, near))
@@ -302,6 +320,8 @@ const REDUCTION_ERROR: f64 = 4e-5;
 const REDUCTION_ERROR_SHARE: f64 = 0.4;
 /// Largest error of the contact force by the reference's steps, as a share of the accuracy.
 const STEP_ERROR_SHARE: f64 = 0.1;
+/// Set-points are held by the reference to this share of the accuracy, and their gaps, in free amplitudes.
+const SETPOINT_TOL_SHARE: f64 = 5e-3;
 /// The reference's steps may leave an error of this many of their tolerances, whatever it truncates.
 const MIN_STEP_ERROR_TOLERANCES: f64 = 100.0;
 

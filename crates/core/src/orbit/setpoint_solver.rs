@@ -11,8 +11,10 @@ use crate::scene::Held;
 /// Gaps are tried until the residual is at most this share of the accuracy, and the gap is known to this share of the accuracy
 /// in free amplitudes. After the last one the whole accuracy will do.
 const SETPOINT_TOL_SHARE: f64 = 0.05;
-/// Gaps tried in one run of an instance.
-const MAX_SECANT_STEPS: u32 = 16;
+/// Gaps tried in one run of an instance: as many as halving brackets takes.
+const MAX_SECANT_STEPS: u32 = 40;
+/// A residual above this share of the one before falls too slowly: the bracket is halved.
+const SLOW_SECANT: f64 = 0.5;
 /// Longest step from one gap to the next, in free amplitudes.
 const MAX_GAP_STEP_AMPLITUDES: f64 = 0.05;
 /// Largest growth of a step, relative to the one before.
@@ -33,10 +35,11 @@ pub(super) fn solve_first(
     let steady = |i: &u32| settled.outcome.results[*i as usize].status.is_steady();
     let astray: Vec<u32> = plan.stepped().into_iter().filter(|i| richer(i) && !steady(i)).collect();
     approach_again(plan, &astray, (&mut settled, &mut too_deep), engine, progress)?;
+    settled.outcome.notes.extend(depths(&settled, &too_deep));
     Ok(settled)
 }
 
-/// Approaches the set-points of these instances once more, with the plan's own steps and bases. Notes what is not met then.
+/// Approaches the set-points of these instances once more, with the plan's own steps and bases.
 fn approach_again(
     plan: &mut Plan,
     astray: &[u32],
@@ -54,7 +57,6 @@ fn approach_again(
         plan.take_gaps(astray, &part);
         settled.take(astray, again);
     }
-    settled.outcome.notes.extend(depths(settled, too_deep));
     Ok(())
 }
 
@@ -105,8 +107,8 @@ fn approach_and_hold(
     Ok((settled, approached.too_deep))
 }
 
-/// Runs a plan with set-points again, from gaps and states that held them with other steps or levers. A set-point that is no
-/// longer held near there is approached anew.
+/// Runs a plan with set-points again, from gaps and states that held them with other steps or levers. A set-point that is not
+/// held near there, or was not held before, is approached anew.
 pub(super) fn hold_again(
     plan: &mut Plan,
     near: &[Option<&PeriodicState>],
@@ -114,10 +116,9 @@ pub(super) fn hold_again(
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
     let all: Vec<u32> = plan.instances().collect();
-    let held_before: Vec<u32> = plan.stepped().into_iter().filter(|i| !plan.case(*i).gap.is_nan()).collect();
     let mut settled = hold(plan, &all, near, engine, progress)?;
     let is_lost = |i: &u32| settled.outcome.results[*i as usize].status == Status::NoSetpoint;
-    let lost: Vec<u32> = held_before.into_iter().filter(is_lost).collect();
+    let lost: Vec<u32> = plan.stepped().into_iter().filter(is_lost).collect();
     approach_again(plan, &lost, (&mut settled, &mut Vec::new()), engine, progress)?;
     Ok(settled)
 }
@@ -142,14 +143,15 @@ fn hold(
         (gaps[i as usize], all.outcome.results[i as usize]) = (f64::NAN, NO_SETPOINT);
     }
     let state = |i: u32| near.get(i as usize).copied().flatten();
-    let begin = |i: u32| GapIterate::new(i, gaps[i as usize], state(i).and_then(|state| state.gap_slope));
+    let tolerance = SETPOINT_TOL_SHARE * plan.run.accuracy;
+    let slope = |i: u32| state(i).and_then(|state| state.gap_slope);
+    let begin = |i: u32| GapIterate::new(i, gaps[i as usize], slope(i), tolerance);
     let mut left: Vec<GapIterate> = held.into_iter().map(begin).collect();
     for number in 1..=MAX_SECANT_STEPS {
         if left.is_empty() || progress.stopped() {
             break;
         }
-        let tried: Vec<u32> = left.iter().map(|one| one.instance).collect();
-        let places: Vec<f64> = left.iter().map(|one| one.gap).collect();
+        let (tried, places): (Vec<u32>, Vec<f64>) = left.iter().map(|one| (one.instance, one.gap)).unzip();
         let part = plan.part(&tried).with_gaps(&places);
         let states: Vec<Option<&PeriodicState>> =
             tried.iter().map(|i| all.found[*i as usize].as_deref().or_else(|| state(*i))).collect();
@@ -160,7 +162,7 @@ fn hold(
             let (i, finished) = (one.instance as usize, now.outcome.results[place]);
             (gaps[i], all.outcome.results[i]) = (one.gap, finished);
             all.periods[i] += now.periods[place];
-            all.found[i] = now.found[place].take();
+            all.found[i] = now.found.get_mut(place).and_then(Option::take);
             if !finished.status.is_steady() {
                 continue;
             }
@@ -168,7 +170,7 @@ fn hold(
             one.learn(missed);
             all.found[i].iter_mut().for_each(|state| state.gap_slope = one.slope);
             let error = one.error(missed, part.driven(place as u32).free_amplitude());
-            if error <= SETPOINT_TOL_SHARE * plan.run.accuracy {
+            if error <= tolerance {
                 continue;
             }
             if number < MAX_SECANT_STEPS {
@@ -186,10 +188,36 @@ fn hold(
     Ok(all)
 }
 
+/// Holds the set-point of the only instance of a plan, with the motion that `solve` finds at a gap, from the plan's gap on.
+/// `tolerance` is that of the residual, and of the gap in free amplitudes. None where `solve` finds no motion.
+///
+/// # Errors
+/// Those of `solve`.
+pub fn hold_setpoint(
+    plan: &Plan,
+    tolerance: f64,
+    solve: impl Fn(&Plan) -> Result<Option<Finished>, EngineError>,
+) -> Result<Option<Finished>, EngineError> {
+    let mut one = GapIterate::new(0, plan.case(0).gap, None, tolerance);
+    for _ in 0..MAX_SECANT_STEPS {
+        let at = plan.clone().with_gaps(&[one.gap]);
+        let Some(finished) = solve(&at)?.filter(|found| found.status.is_steady()) else { return Ok(None) };
+        let missed = setpoint_residual(&at, 0, &finished);
+        one.learn(missed);
+        if one.error(missed, at.driven(0).free_amplitude()) <= tolerance {
+            return Ok(Some(finished));
+        }
+        one.advance(&at, 0, missed, &finished);
+    }
+    Ok(Some(NO_SETPOINT))
+}
+
 /// An instance whose gap is an unknown.
 struct GapIterate {
     instance: u32,
     gap: f64,
+    /// Of the residual, and of the gap in free amplitudes.
+    tolerance: f64,
     /// The slope of the residual over the gap, 1/m, if it is known.
     slope: Option<f64>,
     /// The gap before, and its residual.
@@ -200,8 +228,9 @@ struct GapIterate {
 }
 
 impl GapIterate {
-    fn new(instance: u32, gap: f64, slope: Option<f64>) -> Self {
-        Self { instance, gap, slope, before: None, too_far: f64::INFINITY, too_near: f64::NEG_INFINITY }
+    fn new(instance: u32, gap: f64, slope: Option<f64>, tolerance: f64) -> Self {
+        let (too_far, too_near) = (f64::INFINITY, f64::NEG_INFINITY);
+        Self { instance, gap, tolerance, slope, before: None, too_far, too_near }
     }
 
     /// Learns from the residual at its gap.
@@ -215,9 +244,10 @@ impl GapIterate {
         }
     }
 
-    /// The bracket around the gap that is looked for, m; infinite as long as it is open.
+    /// The bracket around the gap that is looked for, m; infinite as long as there is none.
     fn bracket(&self) -> f64 {
-        (self.too_far - self.too_near).abs()
+        let width = self.too_far - self.too_near;
+        if width > 0.0 { width } else { f64::INFINITY }
     }
 
     /// The residual, or the error of the gap in free amplitudes, by the slope or by the bracket: whichever is larger.
@@ -226,7 +256,8 @@ impl GapIterate {
         missed.abs().max(by_slope.min(self.bracket()) / amplitude)
     }
 
-    /// Moves to the next gap: by the secant, by an estimated slope, or to the middle of the bracket where these leave it.
+    /// Moves to the next gap: by the secant, by an estimated slope, or to the middle of the bracket where these leave it or
+    /// are slow.
     fn advance(&mut self, part: &Plan, i: u32, missed: f64, finished: &Finished) {
         let amplitude = part.driven(i).free_amplitude();
         let likely = match part.setpoint(i).map(|setpoint| setpoint.held) {
@@ -240,12 +271,18 @@ impl GapIterate {
             }
             None => MAX_GAP_STEP_AMPLITUDES * amplitude,
         };
-        let step = (-missed / self.slope.unwrap_or(likely)).clamp(-most, most);
+        let step = match self.slope {
+            Some(slope) => -missed / slope,
+            // Shorter ones tell no slope: what the residual changes by is noise.
+            None => -missed.signum() * (missed.abs() / likely).max(self.tolerance * amplitude),
+        };
+        let step = step.clamp(-most, most);
+        let is_slow = self.before.is_some_and(|(_, other)| missed.abs() > SLOW_SECANT * other.abs());
         self.before = Some((self.gap, missed));
         self.gap += step;
         let (low, high) = (self.too_near, self.too_far);
         let is_inside = low < self.gap && self.gap < high;
-        if low < high && self.bracket().is_finite() && (self.slope.is_none() || !is_inside) {
+        if self.bracket().is_finite() && (self.slope.is_none() || is_slow || !is_inside) {
             self.gap = 0.5 * (low + high);
         }
     }
