@@ -77,6 +77,11 @@ pub fn main(args: &CheckArgs, voice: Verbosity) -> anyhow::Result<()> {
 /// Whether the check stands: something was compared, and nothing of it is above the accuracy asked for.
 fn judge(table: &CheckTable) -> anyhow::Result<()> {
     let known = table.known();
+    if table.truths.iter().all(|(one, _)| one.status == Status::NoSetpoint) {
+        anyhow::bail!(
+            "nothing could be compared: no gap was found that holds the set-points; check more of them with -i"
+        );
+    }
     if known == 0 {
         anyhow::bail!(
             "nothing could be compared: the reference calls none of the {} instances ok; check more of them with -i, or give \

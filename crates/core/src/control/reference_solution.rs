@@ -271,6 +271,14 @@ pub fn beside(
     progress: &Progress,
 ) -> Result<Vec<(Finished, ReferenceStart)>, EngineError> {
     let plan = &run.plan;
+    let held: Vec<u32> = chosen.iter().copied().filter(|i| !plan.case(*i).gap.is_nan()).collect();
+    if held.len() < chosen.len() {
+        // Without a gap that holds the set-point the reference has nowhere to begin.
+        let lost = (Finished { status: Status::NoSetpoint, ..Finished::NOT_RUN }, ReferenceStart::State);
+        let mut some = beside(run, &held, reference, progress)?.into_iter();
+        let one = |i: &u32| if plan.case(*i).gap.is_nan() { None } else { some.next() };
+        return Ok(chosen.iter().map(one).map(|one| one.unwrap_or(lost)).collect());
+    }
     let search = plan.run.steady == Steady::Search;
     let first: Vec<Option<(Finished, ReferenceStart)>> = match search {
         true => {

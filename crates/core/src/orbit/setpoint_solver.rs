@@ -13,6 +13,8 @@ use crate::scene::Held;
 const SETPOINT_TOL_SHARE: f64 = 0.05;
 /// Gaps tried in one run of an instance: as many as halving brackets takes.
 const MAX_SECANT_STEPS: u32 = 40;
+/// Gaps at which no motion is found before [`hold_setpoint`] gives up.
+const MAX_FAILED_GAPS: u32 = 3;
 /// A residual above this share of the one before falls too slowly: the bracket is halved.
 const SLOW_SECANT: f64 = 0.5;
 /// Longest step from one gap to the next, in free amplitudes.
@@ -176,7 +178,7 @@ fn hold(
             if number < MAX_SECANT_STEPS {
                 one.advance(&part, place as u32, missed, &finished);
                 next.push(one);
-            } else if error.is_nan() || error > plan.run.accuracy {
+            } else if error > plan.run.accuracy {
                 (gaps[i], all.outcome.results[i], all.found[i]) = (f64::NAN, NO_SETPOINT, None);
             }
         }
@@ -189,7 +191,8 @@ fn hold(
 }
 
 /// Holds the set-point of the only instance of a plan, with the motion that `solve` finds at a gap, from the plan's gap on.
-/// `tolerance` is that of the residual, and of the gap in free amplitudes. None where `solve` finds no motion.
+/// `tolerance` is that of the residual, and of the gap in free amplitudes. None where `solve` finds no motion, not even nearer to
+/// the gap before.
 ///
 /// # Errors
 /// Those of `solve`.
@@ -199,9 +202,14 @@ pub fn hold_setpoint(
     solve: impl Fn(&Plan) -> Result<Option<Finished>, EngineError>,
 ) -> Result<Option<Finished>, EngineError> {
     let mut one = GapIterate::new(0, plan.case(0).gap, None, tolerance);
+    let mut failed = 0;
     for _ in 0..MAX_SECANT_STEPS {
         let at = plan.clone().with_gaps(&[one.gap]);
-        let Some(finished) = solve(&at)?.filter(|found| found.status.is_steady()) else { return Ok(None) };
+        let Some(finished) = solve(&at)?.filter(|found| found.status.is_steady()) else {
+            let Some((gap, _)) = one.before.filter(|_| failed < MAX_FAILED_GAPS) else { return Ok(None) };
+            (one.gap, failed) = (0.5 * (one.gap + gap), failed + 1);
+            continue;
+        };
         let missed = setpoint_residual(&at, 0, &finished);
         one.learn(missed);
         if one.error(missed, at.driven(0).free_amplitude()) <= tolerance {
@@ -233,8 +241,11 @@ impl GapIterate {
         Self { instance, gap, tolerance, slope, before: None, too_far, too_near }
     }
 
-    /// Learns from the residual at its gap.
+    /// Learns from the residual at its gap. One that is no number teaches nothing.
     fn learn(&mut self, missed: f64) {
+        if missed.is_nan() {
+            return;
+        }
         let secant = |(gap, other): (f64, f64)| (missed - other) / (self.gap - gap);
         self.slope = self.before.map_or(self.slope, |before| Some(secant(before)));
         self.slope = self.slope.filter(|slope| slope.is_finite() && *slope > 0.0);
@@ -252,6 +263,9 @@ impl GapIterate {
 
     /// The residual, or the error of the gap in free amplitudes, by the slope or by the bracket: whichever is larger.
     fn error(&self, missed: f64, amplitude: f64) -> f64 {
+        if missed.is_nan() {
+            return f64::INFINITY;
+        }
         let by_slope = self.slope.map_or(f64::INFINITY, |slope| missed.abs() / slope);
         missed.abs().max(by_slope.min(self.bracket()) / amplitude)
     }
@@ -285,5 +299,33 @@ impl GapIterate {
         if self.bracket().is_finite() && (self.slope.is_none() || is_slow || !is_inside) {
             self.gap = 0.5 * (low + high);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observe::Measured;
+    use crate::test_plans::plan_of;
+
+    /// Truth: the gap of an amplitude that falls steeply, of which nothing is found a little below that gap.
+    #[test]
+    fn a_set_point_is_held_next_to_gaps_without_a_motion() {
+        let plan = plan_of(include_str!("../../../../scenes/set_point.toml")).part(&[0]);
+        let free = plan.driven(0).free_amplitude();
+        let Some(Held::Amplitude(share)) = plan.setpoint(0).map(|setpoint| setpoint.held) else {
+            panic!("the scene holds an amplitude")
+        };
+        let truth = plan.case(0).gap - 0.01 * free;
+        let motion = |at: &Plan, lowest: f64| {
+            let gap = at.case(0).gap;
+            let mut measured = Measured { gap, ..Measured::NONE };
+            measured.harmonics[0] = share * free + 3.0 * (gap - truth);
+            Ok((gap > lowest).then_some(Finished { measured, status: Status::Ok }))
+        };
+        let near = hold_setpoint(&plan, 1e-6, |at| motion(at, truth - 1e-3 * free)).unwrap().unwrap();
+        assert!((near.measured.gap - truth).abs() < 1e-6 * free, "{} {truth}", near.measured.gap);
+        let none = hold_setpoint(&plan, 1e-6, |at| motion(at, plan.case(0).gap)).unwrap();
+        assert!(none.is_none());
     }
 }
