@@ -40,6 +40,7 @@ mod agree_precision;
 mod agree_reference;
 mod agree_reference_engine;
 mod agree_relaxing;
+mod agree_rods;
 mod agree_scaled;
 mod agree_search;
 mod agree_setpoint;

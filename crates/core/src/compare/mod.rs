@@ -4,7 +4,7 @@ mod ranking;
 mod scales;
 
 pub use ranking::{Ranking, choose, ranked};
-pub use scales::Scales;
+pub use scales::{Scales, tip};
 
 use crate::observe::{Measured, Observable, Scale};
 

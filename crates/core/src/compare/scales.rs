@@ -58,7 +58,7 @@ fn shift(driven: &Driven, truth: &Measured) -> f64 {
 }
 
 /// Fundamental of the tip's travel, m: the travel is the imaginary part of it times exp(i omega t).
-fn tip(measured: &Measured) -> Complex<f64> {
+pub fn tip(measured: &Measured) -> Complex<f64> {
     Complex::from_polar(measured.harmonics[0], -measured.phase.to_radians())
 }
 

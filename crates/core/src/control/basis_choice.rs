@@ -3,9 +3,7 @@
 use super::basis_trials::{self, BasisTrial, StiffnessRank, TrialCosts};
 use super::contact_sample::{ContactKind, by_stiffness, kind_and_stiffness, spread};
 use super::difference_scale::is_fast;
-use crate::compare::{Scales, error};
 use crate::engine::{Engine, EngineError, Progress};
-use crate::observe::{Measured, Observable};
 use crate::plan::{BasisRule, Interned, Plan, RICHEST_ACCURACY_SHARE, Rebasing};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -178,17 +176,4 @@ impl<'a> BasisAssignment<'a> {
         self.poorer.set(i as usize, poorer);
         self.truncation[i as usize] = cost;
     }
-}
-
-/// Error of an instance's virial, on its scale, from the flexibility outside all oscillators: the mean force bends the lever
-/// and does work on it. 0 if the virial is not requested.
-pub(super) fn unbent(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
-    let kept = &plan.driven(instance).kept;
-    if !plan.observables.contains(&Observable::Virial) {
-        return 0.0;
-    }
-    let work = kept.residual_share * kept.flexibility * measured.force_mean.powi(2);
-    let off = Measured { virial: measured.virial + work, ..*measured };
-    let cost = error(Observable::Virial, &off, measured, &Scales::of(plan, instance as usize, measured));
-    if cost.is_finite() { cost } else { 0.0 }
 }

@@ -4,6 +4,7 @@
 //! bring. A contact holds the tip's amplitude, so the phase turns until the balance is right: at a high quality factor, where
 //! the drive brings little, far.
 
+use super::missed_compliance::{FoundMotion, fundamental};
 use crate::observe::{Measured, Observable};
 use crate::plan::{Plan, Resonance};
 use std::f64::consts::{FRAC_2_PI, PI};
@@ -29,20 +30,26 @@ fn phase_error(plan: &Plan, instance: u32, measured: &Measured, work: f64) -> f6
 ///
 /// The n-th harmonic F_n of the contact force moves such a mode, which takes the energy pi n c F_n^2 out of each period; c is
 /// its compliance out of phase.
-pub(super) fn missed_resonances(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
+pub(super) fn missed_resonances(plan: &Plan, instance: u32, found: FoundMotion) -> f64 {
+    let measured = found.measured;
     let contact = plan.contact(instance);
-    let waiting = &plan.driven(instance).kept.waiting;
+    let driven = plan.driven(instance);
+    let waiting = &driven.kept.waiting;
     if waiting.is_empty() {
         return 0.0;
     }
-    let force = |one: &Resonance| harmonic_bound(measured, one.harmonic, contact.law.jumps());
+    let fundamental = fundamental(driven, measured).norm();
+    let force = |one: &Resonance| match one.harmonic {
+        1.0 => fundamental,
+        harmonic => harmonic_bound(measured, harmonic, contact.law.jumps()),
+    };
     let taken = |one: &Resonance| PI * one.harmonic * -one.compliance().im * force(one).powi(2);
     let of_phase = phase_error(plan, instance, measured, waiting.iter().map(taken).sum());
     let moved = waiting.iter().map(|one| one.compliance().norm() * force(one)).sum::<f64>();
     let stiffness = contact.stiffness(measured.indentation_max.max(0.0), true).abs();
     let largest = measured.force_max.abs().max(measured.force_min.abs());
     let of_force = if largest > 0.0 { stiffness * moved / largest } else { 0.0 };
-    let of_travel = moved / plan.driven(instance).free_amplitude();
+    let of_travel = found.travel_error(plan, instance, moved);
     let error = of_phase.max(of_force).max(of_travel);
     // A number that nobody measured must not pass for 0.
     if moved.is_nan() || of_phase.is_nan() { f64::INFINITY } else { error }
@@ -158,7 +165,7 @@ mod tests {
         assert!(matches!(plan.basis_rule(0), BasisRule::Shares { .. }));
         let (without, with) = (result(&plan), result(&plan.clone().with_waiting_modes()));
         let off = scaled_difference(&plan, 0, &without, &with);
-        let told = missed_resonances(&plan, 0, &without.measured);
+        let told = missed_resonances(&plan, 0, FoundMotion::new(&without.measured, None));
         assert!(off <= told && told <= 5.0 * off, "{off:e} {told:e}");
     }
 

@@ -2,8 +2,7 @@
 
 use super::difference_scale::remaining_error_factor;
 use super::energy_balance::{missed_resonances, work_of_steps};
-use super::missed_compliance::truncation_error;
-use crate::observe::Measured;
+use super::missed_compliance::{FoundMotion, truncation_error};
 use crate::plan::{Plan, STEPS_MAX};
 
 /// A change beyond this many times the bound on the resonant modes' error is not due to these modes.
@@ -53,25 +52,25 @@ impl ErrorParts {
     }
 
     /// Updates the parts after a run with more steps: instance `i` of `plan`, which differs by `apart` from the run before.
-    pub fn after_more_steps(&mut self, (plan, i): (&Plan, u32), apart: f64, measured: &Measured) {
+    pub fn after_more_steps(&mut self, (plan, i): (&Plan, u32), apart: f64, found: FoundMotion) {
         if let Some(first) = self.unsplit.take() {
             let of_bases = remaining_error_factor(plan, i) * (first - plan.policy.steepest * apart);
             self.of_modes = self.of_modes.max(of_bases);
         }
-        self.of_steps = (plan.policy.left_of_steps * apart).max(work_of_steps(plan, i, measured));
+        self.of_steps = (plan.policy.left_of_steps * apart).max(work_of_steps(plan, i, found.measured));
     }
 
     /// Updates the parts after a run with a richer basis.
-    pub fn after_richer_basis(&mut self, (plan, i): (&Plan, u32), apart: f64, measured: &Measured) {
-        self.of_modes = truncation_error(plan, i, apart, measured);
-        self.of_resonances = missed_resonances(plan, i, measured);
+    pub fn after_richer_basis(&mut self, (plan, i): (&Plan, u32), apart: f64, found: FoundMotion) {
+        self.of_modes = truncation_error(plan, i, apart, found);
+        self.of_resonances = missed_resonances(plan, i, found);
     }
 
     /// Updates the parts after a run with the resonant modes that waited. Another state may be nearest with these modes: what
     /// they cannot explain is an error that more steps must tell.
-    pub fn after_waiting_modes(&mut self, (plan, i): (&Plan, u32), apart: f64, measured: &Measured) {
+    pub fn after_waiting_modes(&mut self, (plan, i): (&Plan, u32), apart: f64, found: FoundMotion) {
         let unexplained = apart - WAITING_MARGIN * self.of_resonances;
         self.of_steps = self.of_steps.max(plan.policy.left_of_steps * unexplained);
-        self.of_resonances = missed_resonances(plan, i, measured);
+        self.of_resonances = missed_resonances(plan, i, found);
     }
 }

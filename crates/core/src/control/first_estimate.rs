@@ -5,11 +5,11 @@ use super::difference_scale::{
 };
 use super::energy_balance::{missed_resonances, work_of_steps};
 use super::error_parts::ErrorParts;
-use super::missed_compliance::{missed, truncation_error};
+use super::missed_compliance::{FoundMotion, missed, missed_travel, truncation_error};
 use super::orbit_pair::{self, OrbitPair};
+use super::precision_trial;
 use super::stencils::Stencils;
 use super::step_reduction::{half_steps, quarter_steps};
-use super::{basis_choice, precision_trial};
 use crate::engine::{Engine, EngineError, Finished, Progress, in_double};
 use crate::observe::Status;
 use crate::orbit::{self, OrbitSolution, PeriodicState};
@@ -256,24 +256,23 @@ fn keep_curves(
 }
 
 impl FirstEstimate {
-    /// Adds the errors that the measurements of the second run tell: of the virial, of contacts shorter than planned, of resonant
+    /// Adds the errors that the measurements of the second run tell: of travel that no oscillator makes, of contacts shorter than planned, of resonant
     /// modes left out, of work that steps do.
     fn add_measured(&mut self, stepped: &[u32]) {
-        let results = &self.settled.outcome.results;
         let of = |i: &u32| {
-            let measured = &results[*i as usize].measured;
             let plan = &self.plan;
+            let found = FoundMotion::of_run(&self.settled, *i);
             (
-                basis_choice::unbent(plan, *i, measured),
-                missed(plan, *i, measured),
-                missed_resonances(plan, *i, measured),
-                work_of_steps(plan, *i, measured),
+                missed_travel(plan, *i, found),
+                missed(plan, *i, found.measured),
+                missed_resonances(plan, *i, found),
+                work_of_steps(plan, *i, found.measured),
             )
         };
         let all: Vec<(f64, f64, f64, f64)> = stepped.par_iter().map(of).collect();
-        for (i, (unbent, missed, of_resonances, of_work)) in stepped.iter().zip(all) {
+        for (i, (of_travel, missed, of_resonances, of_work)) in stepped.iter().zip(all) {
             let known = &mut self.known[*i as usize];
-            known.of_modes = (known.of_modes + unbent).max(missed);
+            known.of_modes = (known.of_modes + of_travel).max(missed);
             known.of_resonances = of_resonances;
             // Without a first run it stays unknown.
             if of_work > known.of_steps {
@@ -323,7 +322,7 @@ impl FirstEstimate {
             let (plan, fine, known) =
                 (&self.plan, &self.settled.outcome.results[i as usize], &mut self.known[i as usize]);
             let of_bases = scaled_difference(plan, i, rough, third);
-            known.of_modes = truncation_error(plan, i, of_bases, &fine.measured);
+            known.of_modes = truncation_error(plan, i, of_bases, FoundMotion::of_run(&self.settled, i));
             let of_steps = remaining_step_error(plan, i, steps) * scaled_difference(plan, i, third, fine);
             known.of_steps = of_steps.max(work_of_steps(plan, i, &fine.measured));
             known.unsplit = None;
@@ -356,11 +355,11 @@ impl FirstEstimate {
         let poor = self.third_run(few, &fast, with)?;
         let apart = scaled_differences(&self.plan, &fast, &poor, results);
         for (i, apart) in fast.into_iter().zip(apart) {
-            let measured = &results[i as usize].measured;
+            let found = FoundMotion::of_run(&self.settled, i);
             // A run that was cut short gives no estimate.
             self.known[i as usize].of_modes = match with.1.stopped() {
                 true => f64::INFINITY,
-                false => truncation_error(&self.plan, i, apart, measured),
+                false => truncation_error(&self.plan, i, apart, found),
             };
         }
         Ok(())

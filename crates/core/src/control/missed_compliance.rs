@@ -1,10 +1,11 @@
-//! What a basis misses of the tip's compliance while a contact lasts.
+//! What a basis misses of the tip's compliance.
 
-use super::basis_choice::unbent;
 use super::difference_scale::remaining_error_factor;
-use crate::compare::Scales;
+use crate::compare::{self, Scales};
 use crate::observe::{Measured, Observable};
-use crate::plan::{Plan, compliance};
+use crate::orbit::{OrbitSolution, PeriodicState};
+use crate::plan::{Driven, Plan, compliance};
+use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 /// The rate of a contact times its duration: a Hertzian collision of depth d and speed v lasts 2.94 d/v and has the rate
@@ -16,6 +17,36 @@ const ONSET_MARGIN: f64 = 2.0;
 
 /// A share of the accuracy that no estimate needs.
 const NEGLIGIBLE_SHARE: f64 = 0.01;
+
+/// What an estimate knows of a motion that was found.
+#[derive(Clone, Copy)]
+pub(super) struct FoundMotion<'a> {
+    pub measured: &'a Measured,
+    /// The slope of its set-point's residual over the gap, 1/m, if it is known.
+    gap_slope: Option<f64>,
+}
+
+impl<'a> FoundMotion<'a> {
+    pub fn new(measured: &'a Measured, state: Option<&PeriodicState>) -> Self {
+        Self { measured, gap_slope: state.and_then(|state| state.gap_slope) }
+    }
+
+    /// The motion of an instance of this run.
+    pub fn of_run(run: &'a OrbitSolution, instance: u32) -> Self {
+        let n = instance as usize;
+        Self::new(&run.outcome.results[n].measured, run.state(n))
+    }
+
+    /// Error of an instance, on its scales, if the tip swings by `travel` (m) too little or too much. Where the amplitude hardly
+    /// depends on the gap, the gap of a set-point is off by much more.
+    pub fn travel_error(&self, plan: &Plan, instance: u32, travel: f64) -> f64 {
+        let error = travel / plan.driven(instance).free_amplitude();
+        match self.gap_slope {
+            Some(slope) => error.max(travel / (slope.abs() * plan.driven(instance).free_amplitude().powi(2))),
+            None => error,
+        }
+    }
+}
 
 /// Error of an instance's largest force, on its scale, from what its basis misses of the tip's compliance at the rate of the
 /// contact that was measured.
@@ -47,8 +78,53 @@ pub(super) fn missed(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
     if error.is_finite() { error } else { 0.0 }
 }
 
+/// Error of an instance, on its scales, from the travel of the tip that no oscillator makes: under the mean force, which also
+/// does work on it, and under the fundamental of the force. A force that nobody measured counts as none.
+///
+/// To the sample this travel is a shift of the gap. A contact that lasts gives way to it: the tip moves by what the contact's
+/// stiffness leaves of it.
+pub(super) fn missed_travel(plan: &Plan, instance: u32, found: FoundMotion) -> f64 {
+    let (driven, measured) = (plan.driven(instance), found.measured);
+    let (kept, free) = (&driven.kept, &driven.free);
+    let bent = (kept.residual_share * kept.flexibility * measured.force_mean).abs();
+    let swing = (kept.missed_response * fundamental(driven, measured)).norm();
+    let of_virial = plan.observables.contains(&Observable::Virial);
+    let travel = bent / driven.free_amplitude() + found.travel_error(plan, instance, swing);
+    if !of_virial && travel <= NEGLIGIBLE_SHARE * plan.run.accuracy {
+        return 0.0;
+    }
+    let scales = Scales::of(plan, instance as usize, measured);
+    let mut error = 0.0_f64;
+    if of_virial {
+        let work = bent * measured.force_mean.abs();
+        error = work / scales.work.max(measured.virial.abs());
+    }
+    // A scene that prescribes the modes wants no others.
+    if plan.run.modes.is_none() {
+        let stiffness = lasting_stiffness(plan, instance, measured);
+        let rest = bent / (1.0 + stiffness * kept.flexibility);
+        let swing = swing / (1.0 + stiffness * free.compliance).norm();
+        // The gap of a set-point takes the whole shift.
+        let shift = if plan.has_setpoints() { bent } else { rest };
+        let travel = shift / scales.length + found.travel_error(plan, instance, swing);
+        error = error.max(travel).max(stiffness * (rest + swing) / scales.force);
+    }
+    if error.is_nan() { 0.0 } else { error }
+}
+
+/// Fundamental of the contact force, N, from that of the tip's travel: the instrument is linear.
+pub(super) fn fundamental(driven: &Driven, measured: &Measured) -> Complex<f64> {
+    (compare::tip(measured) - driven.free.tip) / driven.free.compliance
+}
+
+/// Stiffness of a contact that lasts for the whole period, N/m, at half of its deepest indentation. 0 for any other contact.
+fn lasting_stiffness(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
+    let lasts = measured.contact_time >= 1.0 && measured.indentation_max > 0.0;
+    if lasts { plan.contact(instance).stiffness(0.5 * measured.indentation_max, true).abs() } else { 0.0 }
+}
+
 /// Truncation error of an instance whose result differs by `apart` from that with a poorer basis.
-pub(super) fn truncation_error(plan: &Plan, instance: u32, apart: f64, measured: &Measured) -> f64 {
-    let of_bases = remaining_error_factor(plan, instance) * apart + unbent(plan, instance, measured);
-    of_bases.max(missed(plan, instance, measured))
+pub(super) fn truncation_error(plan: &Plan, instance: u32, apart: f64, found: FoundMotion) -> f64 {
+    let of_bases = remaining_error_factor(plan, instance) * apart + missed_travel(plan, instance, found);
+    of_bases.max(missed(plan, instance, found.measured))
 }

@@ -4,6 +4,7 @@ use super::decision::{InstanceSummary, Next, next};
 use super::difference_scale::{is_fast, scaled_difference};
 use super::error_parts::ErrorParts;
 use super::first_estimate::{self, EstimateInputs, FirstEstimate};
+use super::missed_compliance::FoundMotion;
 use super::{ChunkRun, fixed_steps, precision_trial, sensitivity};
 use crate::engine::{Engine, EngineError, Finished, Progress};
 use crate::observe::Status;
@@ -144,46 +145,45 @@ impl<'a> RefinementRun<'a> {
 
     /// Takes another run of these instances. Its difference to the last run gives the estimate; then it replaces the last
     /// run.
-    fn take(&mut self, instances: &[u32], what: Next, other: &Plan, settled: OrbitSolution) {
-        let OrbitSolution { outcome, mut found, periods, .. } = settled;
+    fn take(&mut self, instances: &[u32], what: Next, other: &Plan, mut settled: OrbitSolution) {
         let mut taken = HashMap::new();
         let results = &self.now.outcome.results;
         let moved =
             |(i, new): (&u32, &Finished)| scaled_difference(&self.now.plan, *i, &results[*i as usize], new);
-        let apart: Vec<f64> = instances.par_iter().zip(&outcome.results).map(moved).collect();
+        let apart: Vec<f64> = instances.par_iter().zip(&settled.outcome.results).map(moved).collect();
         for ((there, &i), apart) in other.instances().zip(instances).zip(apart) {
             let (n, place) = (i as usize, there as usize);
             let before = self.now.estimates[n];
-            self.estimate((other, there), i, what, apart, &outcome.results[place]);
+            self.estimate((other, there), i, what, apart, &settled);
             let known = &mut self.known[n];
             let fast = is_fast(other, there);
             let gained_little = self.now.estimates[n] > before / other.policy.least_gain;
             known.stalled = fast && known.finer_before && gained_little;
             known.finer_before |= fast;
             let now = &mut self.now;
-            now.outcome.results[n] = outcome.results[place];
+            now.outcome.results[n] = settled.outcome.results[place];
             now.plan.take_resolution(i, other, there, &mut taken);
-            now.periods[n] = periods[place];
+            now.periods[n] = settled.periods[place];
             now.arithmetic.of[n] = other.precision;
-            if let (Some(known), Some(new)) = (now.found.get_mut(n), found.get_mut(place)) {
+            if let (Some(known), Some(new)) = (now.found.get_mut(n), settled.found.get_mut(place)) {
                 *known = new.take();
             }
         }
-        self.now.outcome.notes.extend(outcome.notes);
+        self.now.outcome.notes.extend(settled.outcome.notes);
     }
 
     /// Updates the estimate of instance `i`. Its other run, number `there` of that plan, differs by `apart`.
-    fn estimate(&mut self, (other, there): (&Plan, u32), i: u32, what: Next, apart: f64, result: &Finished) {
+    fn estimate(&mut self, at: (&Plan, u32), i: u32, what: Next, apart: f64, run: &OrbitSolution) {
         let n = i as usize;
         let known = &mut self.known[n];
-        let (at, measured) = ((other, there), &result.measured);
+        let found = FoundMotion::of_run(run, at.1);
         match what {
-            Next::MoreSteps => known.after_more_steps(at, apart, measured),
-            Next::RicherBasis => known.after_richer_basis(at, apart, measured),
-            Next::WaitingModes => known.after_waiting_modes(at, apart, measured),
+            Next::MoreSteps => known.after_more_steps(at, apart, found),
+            Next::RicherBasis => known.after_richer_basis(at, apart, found),
+            Next::WaitingModes => known.after_waiting_modes(at, apart, found),
             Next::InF64 => {
                 // The same steps in another precision say nothing about the step error: the next round estimates it.
-                if result.status == Status::Ok {
+                if run.outcome.results[at.1 as usize].status == Status::Ok {
                     known.unsplit = None;
                     self.now.estimates[n] = f64::INFINITY;
                 }

@@ -4,7 +4,7 @@ use super::RunResult;
 use super::difference_scale::scaled_difference;
 use super::energy_balance::missed_resonances;
 use super::error_parts::ErrorParts;
-use super::missed_compliance::truncation_error;
+use super::missed_compliance::{FoundMotion, truncation_error};
 use super::search_checkpoints::CheckpointedSearch;
 use super::second_orbit::{SecondOrbit, SecondState};
 use crate::engine::{EngineError, Finished};
@@ -76,10 +76,11 @@ impl SecondRefinement {
         let halved = |steps: u32| (steps / 2).max(fewest.min(steps));
         let coarse = self.plan.part(stepped).with_steps(halved);
         for (n, found) in self.again(&coarse, stepped, pieces)? {
-            let (i, measured) = (n as u32, &self.others[n].finished.measured);
-            self.known[n].of_resonances = missed_resonances(&self.plan, i, measured);
+            let i = n as u32;
+            let own = FoundMotion::new(&self.others[n].finished.measured, None);
+            self.known[n].of_resonances = missed_resonances(&self.plan, i, own);
             match found {
-                Some((apart, ..)) => self.known[n].after_more_steps((&self.plan, i), apart, measured),
+                Some((apart, ..)) => self.known[n].after_more_steps((&self.plan, i), apart, own),
                 None => self.known[n].of_steps = f64::INFINITY,
             }
         }
@@ -93,9 +94,10 @@ impl SecondRefinement {
                 continue;
             };
             let measured = finished.measured;
-            self.known[n].of_modes = truncation_error(&rich, there, apart, &measured);
+            let richer = FoundMotion::new(&measured, None);
+            self.known[n].of_modes = truncation_error(&rich, there, apart, richer);
             if self.known[n].error() > self.aim() {
-                self.known[n].after_richer_basis((&rich, there), apart, &measured);
+                self.known[n].after_richer_basis((&rich, there), apart, richer);
                 self.put(n, (finished, *place), (&rich, there), &mut taken);
             }
         }
@@ -114,7 +116,8 @@ impl SecondRefinement {
             let mut taken = HashMap::new();
             for (there, (n, found)) in (0..).zip(self.again(&finer, &rough, pieces)?) {
                 let Some((apart, finished, place)) = found else { continue };
-                self.known[n].after_more_steps((&finer, there), apart, &finished.measured);
+                let found = FoundMotion::new(&finished.measured, None);
+                self.known[n].after_more_steps((&finer, there), apart, found);
                 self.put(n, (finished, *place), (&finer, there), &mut taken);
             }
         }
@@ -136,7 +139,8 @@ impl SecondRefinement {
                 self.known[n].of_resonances = f64::INFINITY;
                 continue;
             };
-            self.known[n].after_waiting_modes((&with, there), apart, &finished.measured);
+            let found = FoundMotion::new(&finished.measured, None);
+            self.known[n].after_waiting_modes((&with, there), apart, found);
             self.put(n, (finished, *place), (&with, there), &mut taken);
         }
         Ok(())

@@ -41,8 +41,8 @@ pub fn transfer_orbit(from: (&Plan, u32, &PeriodicState), plan: &Plan, to: u32) 
     };
     for (k, mode) in driven.kept.modes.iter().enumerate().take(MODES_MAX) {
         let alike = |other: &KeptMode| other.omega == mode.omega;
-        let numbered = |other: &KeptMode| other.index == mode.index;
-        let same = modes[..count].iter().position(alike).or_else(|| modes[..count].iter().position(numbered));
+        let stands = |other: &KeptMode| other.corresponds(mode);
+        let same = modes[..count].iter().position(alike).or_else(|| modes[..count].iter().position(stands));
         let Some(j) = same else { continue };
         let stretch = driven.free.omega / mode.omega;
         let beyond = whole(j) * late * factor - modal_phasor(driven, mode, now);

@@ -195,19 +195,16 @@ impl BasisTransfer {
         let later = PI / driven.free.omega * (1.0 / own_steps - 1.0 / f64::from(steps));
         let kept = driven.kept.modes.len();
         let own = &driven.kept.modes[..modes.min(kept)];
-        // Modes of two levers are the same if their numbers are.
-        let numbered = |mode: &KeptMode| {
-            theirs.modes.iter().position(|other| mode.index.is_some() && other.index == mode.index)
-        };
-        // The residual oscillators of two levers with the same modes stand for the same motion.
+        // Modes of two levers are the same if their numbers are. The residual oscillators of two levers with the same modes stand
+        // for the same motion.
         let copies = driven.kept.copies(theirs);
-        let residual = |mode: &KeptMode| {
-            let other = || theirs.modes.iter().position(|other| other.index.is_none());
-            (copies && mode.index.is_none()).then(other).flatten()
+        let corresponding = |mode: &KeptMode| {
+            let known = mode.index.is_some() || mode.is_static() || copies;
+            theirs.modes.iter().position(|other| known && other.corresponds(mode))
         };
         let same = |mode: &KeptMode| {
             let equal = theirs.modes.iter().position(|other| other.omega == mode.omega);
-            equal.or_else(|| numbered(mode)).or_else(|| residual(mode))
+            equal.or_else(|| corresponding(mode))
         };
         let turn = |mode: &KeptMode, time: f64| {
             let [m00, m01, m10, m11] = increments(mode.omega * time, mode.damping);

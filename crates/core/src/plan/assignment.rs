@@ -135,7 +135,7 @@ pub(super) fn by_shares(
     let most = steps_for_modes(instrument, omega / TAU, run.steps_per_period);
     let refined =
         run.steps_per_period.is_none() && run.start == Start::Steady && run.steady == Steady::Search;
-    let demand = ModeDemand { accuracy, asked: run.accuracy, resonant: resonant || !refined };
+    let demand = ModeDemand { accuracy, asked: run.accuracy, resonant: resonant || !refined, refined };
     ReducedBasis::choose(instrument, omega, demand, run.modes, most)
 }
 

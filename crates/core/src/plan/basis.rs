@@ -2,10 +2,13 @@
 //!
 //! A mode matters to the stepped motion only if the tip force moves the tip by it: c_k b_k / omega_k^2 is its share of the
 //! tip's static flexibility. The modes that are left out act, at frequencies below their own, as one more spring. It is kept
-//! as one residual oscillator with that flexibility (a residual attachment mode in the sense of MacNeal 1971 and Rubin 1975),
-//! so that the static response to a contact force is exact. Its frequency is that of the mode with the largest part of it, so
-//! that it rings as that one does. With the inertia of all of them it would ring too fast, which shows in the largest force of
-//! short contacts (tests/hard/rod_damped.toml).
+//! as one residual oscillator with that flexibility (a residual attachment mode in the sense of MacNeal 1971 and Rubin 1975).
+//! Its frequency is that of the mode with the largest part of it, so that it rings as that one does. With the inertia of all
+//! of them it would ring too fast, which shows in the largest force of short contacts (tests/hard/rod_damped.toml).
+//!
+//! What no oscillator has by then is mostly that of a rod's many slow modes, a share of 1e-5 or so each. Contacts are too short
+//! for them, but the mean force bends them. If that matters, one static oscillator, far slower than the drive, has their
+//! flexibility, so that the static response to a contact force is exact.
 //!
 //! This does not suffice where a contact is very short, as a soft lever's on a stiff sample. The rate of the contact then
 //! chooses the oscillators: the modes that ring on between contacts, and for the rest a rational Krylov reduction of what the
@@ -20,6 +23,7 @@ use super::ringing::{
 };
 use crate::instrument::{Instrument, Mode};
 use crate::kernel::{FAST_ANGLE, FlowMode, MODES_MAX, WRITTEN_OUT, own_answer};
+use nalgebra::Complex;
 
 /// Bases of more modes than for this share of the requested accuracy are not tried; the contact's rate chooses oscillators
 /// instead.
@@ -37,6 +41,9 @@ const OSCILLATORS_PER_MODE: f64 = 1.3;
 const OSCILLATORS_BESIDE: f64 = 4.0;
 const OSCILLATOR_GROWTH: f64 = 0.12;
 
+/// A contact's basis has a static oscillator if the others lack more than this share of the flexibility.
+const MIN_STATIC_SHARE: f64 = 1e-6;
+
 /// Modes faster than the contact by more than this are not kept as they are.
 const MAX_MODE_RATE_RATIO: f64 = 64.0;
 
@@ -48,9 +55,11 @@ pub struct ReducedBasis {
     pub flexibility: f64,
     /// The share of it that no kept oscillator has.
     pub residual_share: f64,
+    /// Travel of the tip per force at the drive's frequency that the oscillators lack, m/N.
+    pub missed_response: Complex<f64>,
     /// Whether one residual oscillator replaces the faster modes.
     pub residual_kept: bool,
-    /// Faint modes that a harmonic of the drive meets: they wait until the measured force tells that they matter. None in a
+    /// Faint modes that a harmonic of the force moves: they wait until the measured force tells that they matter. None in a
     /// contact's basis.
     pub waiting: Vec<Resonance>,
     /// The rule that chose them.
@@ -67,6 +76,8 @@ pub struct ModeDemand {
     pub asked: f64,
     /// Whether it has the faint resonant modes, those whose share no basis on trial has.
     pub resonant: bool,
+    /// Whether the run may ask for more modes later.
+    pub refined: bool,
 }
 
 /// Most steps per period the rule gives; a scene may ask for more.
@@ -94,7 +105,16 @@ impl ReducedBasis {
         rule: BasisRule,
         reason: String,
     ) -> Self {
-        Self { modes, flexibility, residual_share, residual_kept: false, waiting: Vec::new(), rule, reason }
+        Self {
+            modes,
+            flexibility,
+            residual_share,
+            missed_response: Complex::ZERO,
+            residual_kept: false,
+            waiting: Vec::new(),
+            rule,
+            reason,
+        }
     }
 
     /// Chooses modes for a drive of angular frequency `omega`, in order of their share, until the remainder is below three
@@ -105,7 +125,7 @@ impl ReducedBasis {
     pub fn choose(
         instrument: &Instrument,
         omega: f64,
-        ModeDemand { accuracy, asked, resonant }: ModeDemand,
+        ModeDemand { accuracy, asked, resonant, refined }: ModeDemand,
         count: Option<usize>,
         steps_max: f64,
     ) -> Self {
@@ -116,10 +136,10 @@ impl ReducedBasis {
         }
         if let Some(count) = count {
             kept.reason = format!("{count} modes, as the scene says");
-            return kept;
+            return kept.with_missed_response(instrument, omega);
         }
         let has = |basis: &Self, k: usize| basis.modes.iter().any(|mode| mode.index == Some(k));
-        let mut met = resonances(&instrument.modes, omega, asked);
+        let mut met = resonances(&instrument.modes, omega, (asked, refined), kept.fastest());
         met.retain(|one| instrument.modes[one.mode].omega <= fastest && !has(&kept, one.mode));
         if !met.is_empty() {
             // Trials show whether modes of a larger basis are needed. But hardly any member of their sample has a mode that a
@@ -130,17 +150,19 @@ impl ReducedBasis {
             kept.waiting.extend(met.extract_if(.., |one| !resonant && !has(&richest, one.mode)));
         }
         let met: Vec<usize> = met.iter().map(|one| one.mode).collect();
+        let slow = kept.fastest();
         kept.add_residual(instrument, &met, accuracy, fastest);
         kept.add_met(instrument, &met);
+        kept.add_static_of_slow(instrument, (omega, slow), accuracy);
         let frequency = |one: &Resonance| instrument.modes[one.mode].omega / std::f64::consts::TAU / 1e3;
         let waiting: Vec<String> = kept.waiting.iter().map(|one| format!("{:.4}", frequency(one))).collect();
         if !waiting.is_empty() {
             kept.note(format!(
-                "harmonics of the drive meet faint modes at {} kHz: they join where the measured force asks for them",
+                "harmonics of the force move faint modes at {} kHz: they join where the measured force asks for them",
                 waiting.join(", ")
             ));
         }
-        kept
+        kept.with_missed_response(instrument, omega)
     }
 
     /// Modes in order of their share until the remainder is below three times `accuracy`, or `count` of them. None but the
@@ -187,7 +209,8 @@ impl ReducedBasis {
 
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
     /// modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others.
-    /// `None` if there are too few modes to reduce, or a mode answers against the force.
+    /// For a rod's modes slower than the lever's first, which no contact moves, there are a static oscillator and the one that
+    /// the drive amplifies. `None` if there are too few modes to reduce, or a mode answers against the force.
     pub fn for_contact(
         instrument: &Instrument,
         omega: f64,
@@ -195,10 +218,13 @@ impl ReducedBasis {
     ) -> Option<Self> {
         let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
-        // The slowest lever mode and all above it. Slower modes of a rod, each a share of 1e-4 or less, are no spring at the
-        // rates of a contact and stay out.
+        // The slowest lever mode and all above it.
         let first = (0..instrument.modes.len())
             .max_by(|a, b| share(&instrument.modes[*a]).total_cmp(&share(&instrument.modes[*b])))?;
+        let rule = BasisRule::Contact { rate, count, elastic };
+        // Only a rod has slower modes; both oscillators for them need a place.
+        let rod = first > 0;
+        let count = if rod { count.min(MODES_MAX - 2) } else { count };
         let moved: Vec<usize> =
             (first..instrument.modes.len()).filter(|k| instrument.modes[*k].inverse_mass() != 0.0).collect();
         // All modes of a list; the fastest modes of a finite-element beam are too fast to be stepped.
@@ -217,13 +243,19 @@ impl ReducedBasis {
             let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
+        let resonant = |k: &usize| Resonance::at_drive(*k, &instrument.modes[*k], omega).amplification();
+        let slow = (0..first).max_by(|a, b| resonant(a).total_cmp(&resonant(b)));
+        modes.extend(slow.filter(|k| resonant(k) > 1.0).map(|k| KeptMode::of(instrument, k)));
         let left = 1.0 - modes.iter().map(KeptMode::flexibility).sum::<f64>() / flexibility;
         let reason = match all {
             true => format!("all {} modes that move the tip", exact.len()),
             false => reduction_reason(exact.len(), count - exact.len(), rate),
         };
-        let rule = BasisRule::Contact { rate, count, elastic };
-        Some(Self::of(modes, (flexibility, left), rule, reason))
+        let mut kept = Self::of(modes, (flexibility, left), rule, reason);
+        if rod {
+            kept.add_static_of_rest(instrument, omega, MIN_STATIC_SHARE);
+        }
+        Some(kept.with_missed_response(instrument, omega))
     }
 
     /// Initial number of oscillators for an accuracy, with contacts of the rate `rate` (rad/s).
@@ -268,52 +300,6 @@ impl ReducedBasis {
         [0.5, 1.0, 2.0, MAX_RATE_RATIO].into_iter().map(error).fold(0.0, f64::max)
     }
 
-    /// Adds the residual oscillator: the flexibility of all modes above the kept ones, at the frequency of the one with the
-    /// largest share, which is the one that rings. Slower modes that are not kept (the rod's, each a share of 1e-4 or less)
-    /// are no spring at the frequencies of a contact and stay out.
-    fn add_residual(&mut self, instrument: &Instrument, met: &[usize], accuracy: f64, fastest: f64) {
-        let kept = self.fastest();
-        let (mut spring, mut loss, mut top) = (0.0, 0.0, 0.0);
-        let (mut largest, mut omega) = (0.0, f64::NAN);
-        for (k, mode) in instrument.modes.iter().enumerate() {
-            if mode.omega > kept && !met.contains(&k) {
-                let flexibility = mode.inverse_mass() / mode.omega.powi(2);
-                spring += flexibility;
-                if flexibility > largest {
-                    (largest, omega) = (flexibility, mode.omega);
-                }
-                loss += flexibility / mode.quality_factor;
-                top += mode.top * mode.force / mode.omega.powi(2);
-            }
-        }
-        let share = spring / self.flexibility;
-        let negligible = share.abs() <= 0.1 * accuracy;
-        if negligible || !(spring > 0.0 && omega.is_finite()) {
-            self.note(format!("{} modes carry all but {:.1e}", self.modes.len(), self.residual_share));
-        } else if omega > fastest {
-            self.note(format!(
-                "{} modes; the other {:.1e} of the flexibility is too fast to be stepped",
-                self.modes.len(),
-                self.residual_share
-            ));
-        } else {
-            self.note(format!(
-                "{} modes, another {:.1e} of the flexibility as one residual oscillator",
-                self.modes.len(),
-                share
-            ));
-            self.residual_kept = true;
-            self.residual_share -= share;
-            self.modes.push(KeptMode {
-                index: None,
-                omega,
-                damping: 0.5 * loss / spring,
-                inverse_mass: omega * omega * spring,
-                top: top / spring,
-            });
-        }
-    }
-
     /// Adds the resonant modes `met` that are not kept for their share.
     fn add_met(&mut self, instrument: &Instrument, met: &[usize]) {
         for &k in met.iter().take(MODES_MAX.saturating_sub(self.modes.len())) {
@@ -327,7 +313,7 @@ impl ReducedBasis {
         }
     }
 
-    fn note(&mut self, text: String) {
+    pub(super) fn note(&mut self, text: String) {
         if !self.reason.is_empty() {
             self.reason.push_str("; ");
         }
@@ -352,7 +338,8 @@ impl ReducedBasis {
     pub fn copies(&self, other: &Self) -> bool {
         let residual = self.residual_kept && other.residual_kept;
         let same = |(a, b): (&KeptMode, &KeptMode)| {
-            a.index == b.index && (a.index.is_some() || residual || a.omega == b.omega)
+            let alike = a.index.is_some() || a.is_static() || residual || a.omega == b.omega;
+            alike && a.corresponds(b)
         };
         self.modes.len() == other.modes.len() && self.modes.iter().zip(&other.modes).all(same)
     }

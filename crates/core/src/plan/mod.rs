@@ -18,6 +18,7 @@ mod plan_summary;
 mod policy;
 mod precision;
 mod rebasing;
+mod residual_compliance;
 mod resolution;
 mod resonant_modes;
 mod ringing;

@@ -109,7 +109,8 @@ impl Plan {
             kept.reason
         );
         for mode in &kept.modes {
-            let name = mode.index.map_or("residual".to_owned(), |k| format!("mode {}", k + 1));
+            let other = if mode.is_static() { "static" } else { "residual" };
+            let name = mode.index.map_or(other.to_owned(), |k| format!("mode {}", k + 1));
             let share = mode.inverse_mass / (mode.omega * mode.omega) / kept.flexibility;
             let q = 0.5 / mode.damping;
             text += &format!(

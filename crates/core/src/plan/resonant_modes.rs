@@ -1,8 +1,10 @@
-//! Modes resonant with a harmonic of the drive, which take energy out of every contact.
+//! Modes that a harmonic of the tip force moves although their share of the tip's flexibility is small.
 //!
 //! A rod's modes have a share of 1e-5 or so of the tip's flexibility, too little to be kept for that. But if a harmonic of the
 //! drive meets one, the contacts excite it in every period. Except at the top of its resonance, a lever of high quality factor
 //! shows the loss in its phase, which hardly anything else determines. Two runs that both lack the mode do not show it.
+//!
+//! The fundamental of the force is the largest of its harmonics and moves all of them, in phase, too.
 
 use crate::instrument::Mode;
 use nalgebra::Complex;
@@ -15,6 +17,12 @@ const MIN_LOSS_RATIO: f64 = 100.0;
 /// Most contacts last a tenth of a period or more: beyond this harmonic their force falls by the square of the harmonic's
 /// number. A shorter one may lose more by such a mode than is told here.
 const SMOOTH_HARMONIC: f64 = 10.0;
+
+/// A mode also matters if the fundamental of the force moves it by more than this share of the accuracy, relative to the travel of
+/// the whole tip. The gap of a set-point may amplify that a hundredfold, so a mode waits for less than it is kept for where
+/// nothing can make it join later.
+const MIN_WAITING_FUNDAMENTAL: f64 = 0.01;
+const MIN_KEPT_FUNDAMENTAL: f64 = 0.5;
 
 /// A harmonic meets a mode head-on if the mode's out-of-phase response is this many times its static one. Few of many
 /// frequencies or levers are so, and no trial on a sample of them shows it.
@@ -32,9 +40,17 @@ pub struct Resonance {
 }
 
 impl Resonance {
-    /// The mode of this number under a drive of angular frequency `omega`.
+    /// The mode of this number under the nearest harmonic of a drive of angular frequency `omega`.
     fn of(number: usize, mode: &Mode, omega: f64) -> Self {
-        let harmonic = (mode.omega / omega).round().max(1.0);
+        Self::under((mode.omega / omega).round().max(1.0), number, mode, omega)
+    }
+
+    /// The same under the fundamental.
+    pub(super) fn at_drive(number: usize, mode: &Mode, omega: f64) -> Self {
+        Self::under(1.0, number, mode, omega)
+    }
+
+    fn under(harmonic: f64, number: usize, mode: &Mode, omega: f64) -> Self {
         let response = response(mode, harmonic * omega);
         Self { mode: number, harmonic, flexibility: flexibility(mode), response }
     }
@@ -42,6 +58,11 @@ impl Resonance {
     /// Whether the harmonic meets the mode head-on.
     pub(super) fn is_head_on(&self) -> bool {
         -self.response.im > HEAD_ON_RESPONSE
+    }
+
+    /// Size of the response over the static one.
+    pub(super) fn amplification(&self) -> f64 {
+        self.response.norm()
     }
 
     /// Tip displacement per force of this harmonic, m/N; the imaginary part is negative and loses energy.
@@ -67,14 +88,29 @@ fn flexibility(mode: &Mode) -> f64 {
 }
 
 /// The modes that a drive of angular frequency `omega` (rad/s) may excite so much that `accuracy` needs them, the largest loss
-/// first.
-pub(super) fn resonances(modes: &[Mode], omega: f64, accuracy: f64) -> Vec<Resonance> {
+/// first. They may wait for the measured force if the run is `refined`. A residual oscillator answers the fundamental for modes
+/// faster than `fastest` (rad/s).
+pub(super) fn resonances(
+    modes: &[Mode],
+    omega: f64,
+    (accuracy, refined): (f64, bool),
+    fastest: f64,
+) -> Vec<Resonance> {
     let swing = |mode: &Mode| flexibility(mode) * response(mode, omega).norm();
     let driven = modes.iter().max_by(|a, b| swing(a).total_cmp(&swing(b)));
     let quality = driven.map_or(0.0, |mode| mode.quality_factor);
     let least = MIN_LOSS_RATIO * accuracy * modes.iter().map(flexibility).sum::<f64>() / quality;
-    let all = modes.iter().enumerate().map(|(k, mode)| Resonance::of(k, mode, omega));
-    let mut met: Vec<Resonance> = all.filter(|one| one.lossy_compliance() > least).collect();
+    let all = || modes.iter().enumerate();
+    let whole: Complex<f64> = all().map(|(k, mode)| Resonance::at_drive(k, mode, omega).compliance()).sum();
+    let share = if refined { MIN_WAITING_FUNDAMENTAL } else { MIN_KEPT_FUNDAMENTAL };
+    let swinging = share * accuracy * whole.norm();
+    let moved = |(k, mode): (usize, &Mode)| {
+        let nearest = Resonance::of(k, mode, omega);
+        let first = Resonance::at_drive(k, mode, omega);
+        let swings = mode.omega < fastest && first.compliance().norm() > swinging;
+        (nearest.lossy_compliance() > least).then_some(nearest).or(swings.then_some(first))
+    };
+    let mut met: Vec<Resonance> = all().filter_map(moved).collect();
     met.sort_by(|a, b| b.lossy_compliance().total_cmp(&a.lossy_compliance()).then(a.mode.cmp(&b.mode)));
     met
 }
@@ -120,7 +156,7 @@ mod tests {
     fn what_a_harmonic_meets_is_kept_where_the_lever_rings_long() {
         let omega = std::f64::consts::TAU;
         let met = |frequency, quality| -> Vec<usize> {
-            let all = resonances(&with_mode_at(frequency, quality), omega, 1e-3);
+            let all = resonances(&with_mode_at(frequency, quality), omega, (1e-3, true), 0.0);
             all.iter().map(|one| one.mode).collect()
         };
         assert_eq!(met(6.0, 2000.0), [0, 1]);
