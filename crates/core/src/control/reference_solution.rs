@@ -270,15 +270,23 @@ pub fn beside(
     reference: &Reference,
     progress: &Progress,
 ) -> Result<Vec<(Finished, ReferenceStart)>, EngineError> {
+    // Without a gap that holds its set-point an instance has no place where the reference could begin.
+    let held = |i: &u32| !run.plan.case(*i).gap.is_nan();
+    let some: Vec<u32> = chosen.iter().copied().filter(held).collect();
+    let mut found = beside_held(run, &some, reference, progress)?.into_iter();
+    let one = |i: &u32| if held(i) { found.next() } else { None };
+    let lost = (orbit::NO_SETPOINT, ReferenceStart::State);
+    Ok(chosen.iter().map(one).map(|one| one.unwrap_or(lost)).collect())
+}
+
+/// The same for instances that have a gap.
+fn beside_held(
+    run: &RunResult,
+    chosen: &[u32],
+    reference: &Reference,
+    progress: &Progress,
+) -> Result<Vec<(Finished, ReferenceStart)>, EngineError> {
     let plan = &run.plan;
-    let held: Vec<u32> = chosen.iter().copied().filter(|i| !plan.case(*i).gap.is_nan()).collect();
-    if held.len() < chosen.len() {
-        // Without a gap that holds the set-point the reference has nowhere to begin.
-        let lost = (Finished { status: Status::NoSetpoint, ..Finished::NOT_RUN }, ReferenceStart::State);
-        let mut some = beside(run, &held, reference, progress)?.into_iter();
-        let one = |i: &u32| if plan.case(*i).gap.is_nan() { None } else { some.next() };
-        return Ok(chosen.iter().map(one).map(|one| one.unwrap_or(lost)).collect());
-    }
     let search = plan.run.steady == Steady::Search;
     let first: Vec<Option<(Finished, ReferenceStart)>> = match search {
         true => {

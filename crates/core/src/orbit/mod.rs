@@ -34,7 +34,7 @@ pub use jacobian::Jacobian;
 pub use neighbour_start::{OnFailure, solve_from_neighbours};
 pub use orbit_table::OrbitTable;
 pub use orbit_transfer::{transfer_orbit, transfer_orbit_corrected};
-pub use setpoint_solver::hold_setpoint;
+pub use setpoint_solver::{NO_SETPOINT, hold_setpoint};
 pub use stencil::{SolvedNeighbour, Stencil, StencilPoint, StencilStart};
 pub use time_integration::SETTLED_SHARE;
 

@@ -126,7 +126,7 @@ pub(super) fn hold_again(
 }
 
 /// The result of an instance whose set-point no gap holds.
-const NO_SETPOINT: Finished = Finished { status: Status::NoSetpoint, ..Finished::NOT_RUN };
+pub const NO_SETPOINT: Finished = Finished { status: Status::NoSetpoint, ..Finished::NOT_RUN };
 
 /// Holds the set-points of these instances, and writes the gaps that do so to the plan.
 fn hold(
