@@ -4,7 +4,7 @@
 //! bring. A contact holds the tip's amplitude, so the phase turns until the balance is right: at a high quality factor, where
 //! the drive brings little, far.
 
-use super::missed_compliance::{FoundMotion, fundamental};
+use super::missed_compliance::{FoundMotion, fundamental, lasting_response};
 use crate::observe::{Measured, Observable};
 use crate::plan::{Plan, Resonance};
 use std::f64::consts::{FRAC_2_PI, PI};
@@ -45,7 +45,8 @@ pub(super) fn missed_resonances(plan: &Plan, instance: u32, found: FoundMotion) 
     };
     let taken = |one: &Resonance| PI * one.harmonic * -one.compliance().im * force(one).powi(2);
     let of_phase = phase_error(plan, instance, measured, waiting.iter().map(taken).sum());
-    let moved = waiting.iter().map(|one| one.compliance().norm() * force(one)).sum::<f64>();
+    let gives_way = |one: &Resonance| lasting_response(plan, instance, measured, one.harmonic);
+    let moved = waiting.iter().map(|one| one.compliance().norm() * force(one) * gives_way(one)).sum::<f64>();
     let stiffness = contact.stiffness(measured.indentation_max.max(0.0), true).abs();
     let largest = measured.force_max.abs().max(measured.force_min.abs());
     let of_force = if largest > 0.0 { stiffness * moved / largest } else { 0.0 };

@@ -4,7 +4,7 @@ use super::difference_scale::remaining_error_factor;
 use crate::compare::{self, Scales};
 use crate::observe::{Measured, Observable};
 use crate::orbit::{OrbitSolution, PeriodicState};
-use crate::plan::{Driven, Plan, compliance};
+use crate::plan::{Driven, KeptMode, Plan, compliance};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -85,7 +85,7 @@ pub(super) fn missed(plan: &Plan, instance: u32, measured: &Measured) -> f64 {
 /// stiffness leaves of it.
 pub(super) fn missed_travel(plan: &Plan, instance: u32, found: FoundMotion) -> f64 {
     let (driven, measured) = (plan.driven(instance), found.measured);
-    let (kept, free) = (&driven.kept, &driven.free);
+    let kept = &driven.kept;
     let bent = (kept.residual_share * kept.flexibility * measured.force_mean).abs();
     let swing = (kept.missed_response * fundamental(driven, measured)).norm();
     let of_virial = plan.observables.contains(&Observable::Virial);
@@ -103,7 +103,7 @@ pub(super) fn missed_travel(plan: &Plan, instance: u32, found: FoundMotion) -> f
     if plan.run.modes.is_none() {
         let stiffness = lasting_stiffness(plan, instance, measured);
         let rest = bent / (1.0 + stiffness * kept.flexibility);
-        let swing = swing / (1.0 + stiffness * free.compliance).norm();
+        let swing = swing * lasting_response(plan, instance, measured, 1.0);
         // The gap of a set-point takes the whole shift.
         let shift = if plan.has_setpoints() { bent } else { rest };
         let travel = shift / scales.length + found.travel_error(plan, instance, swing);
@@ -115,6 +115,23 @@ pub(super) fn missed_travel(plan: &Plan, instance: u32, found: FoundMotion) -> f
 /// Fundamental of the contact force, N, from that of the tip's travel: the instrument is linear.
 pub(super) fn fundamental(driven: &Driven, measured: &Measured) -> Complex<f64> {
     (compare::tip(measured) - driven.free.tip) / driven.free.compliance
+}
+
+/// The tip's travel per travel that its lever misses, both at this harmonic of the drive: a contact that lasts resists it, or
+/// amplifies it next to a resonance of the pressed lever. 1 for any other contact.
+pub(super) fn lasting_response(plan: &Plan, instance: u32, measured: &Measured, harmonic: f64) -> f64 {
+    let driven = plan.driven(instance);
+    let stiffness = lasting_stiffness(plan, instance, measured);
+    if stiffness == 0.0 {
+        return 1.0;
+    }
+    let omega = harmonic * driven.free.omega;
+    let response = |mode: &KeptMode| {
+        let stiff = (mode.omega - omega) * (mode.omega + omega);
+        mode.inverse_mass / Complex::new(stiff, 2.0 * mode.damping * mode.omega * omega)
+    };
+    let compliance: Complex<f64> = driven.kept.modes.iter().map(response).sum();
+    (1.0 + stiffness * compliance).norm().recip()
 }
 
 /// Stiffness of a contact that lasts for the whole period, N/m, at half of its deepest indentation. 0 for any other contact.

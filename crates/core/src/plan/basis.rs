@@ -17,7 +17,7 @@
 use super::BasisRule;
 use super::compliance::{MAX_RATE_RATIO, compliance, reduced};
 use super::oscillator::KeptMode;
-use super::resonant_modes::{Resonance, resonances};
+use super::resonant_modes::{Resonance, met_by_low_harmonics, resonances};
 use super::ringing::{
     LONG_RING_SHARE, LeverModes, MAX_LEVER_MODE_RATIO, MIN_REDUCED_OSCILLATORS, left, ringing,
 };
@@ -209,8 +209,8 @@ impl ReducedBasis {
 
     /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
     /// modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others.
-    /// For a rod's modes slower than the lever's first, which no contact moves, there are a static oscillator and the one that
-    /// the drive amplifies. `None` if there are too few modes to reduce, or a mode answers against the force.
+    /// A rod's modes that a low harmonic of the force amplifies are kept as they are, and a static oscillator stands for the
+    /// slow ones, which no contact moves. `None` if there are too few modes to reduce, or a mode answers against the force.
     pub fn for_contact(
         instrument: &Instrument,
         omega: f64,
@@ -222,9 +222,10 @@ impl ReducedBasis {
         let first = (0..instrument.modes.len())
             .max_by(|a, b| share(&instrument.modes[*a]).total_cmp(&share(&instrument.modes[*b])))?;
         let rule = BasisRule::Contact { rate, count, elastic };
-        // Only a rod has slower modes; both oscillators for them need a place.
+        // Only a rod has slower modes. Its modes that a low harmonic amplifies are kept beside the others.
         let rod = first > 0;
-        let count = if rod { count.min(MODES_MAX - 2) } else { count };
+        let met = if rod { met_by_low_harmonics(&instrument.modes, omega) } else { Vec::new() };
+        let count = if rod { count.min(MODES_MAX - met.len() - 1) } else { count };
         let moved: Vec<usize> =
             (first..instrument.modes.len()).filter(|k| instrument.modes[*k].inverse_mass() != 0.0).collect();
         // All modes of a list; the fastest modes of a finite-element beam are too fast to be stepped.
@@ -236,16 +237,15 @@ impl ReducedBasis {
         };
         let mut modes: Vec<KeptMode> = exact.iter().map(|&k| KeptMode::of(instrument, k)).collect();
         if !all {
-            let rest: Vec<&Mode> =
-                moved.iter().filter(|k| !exact.contains(k)).map(|k| &instrument.modes[*k]).collect();
+            let kept = |k: &&usize| exact.contains(*k) || met.contains(*k);
+            let rest: Vec<&Mode> = moved.iter().filter(|k| !kept(k)).map(|k| &instrument.modes[*k]).collect();
             // Starts where the lever answers: a rod adds little below that.
             let levers = LeverModes::of(instrument, omega);
             let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
-        let resonant = |k: &usize| Resonance::at_drive(*k, &instrument.modes[*k], omega).amplification();
-        let slow = (0..first).max_by(|a, b| resonant(a).total_cmp(&resonant(b)));
-        modes.extend(slow.filter(|k| resonant(k) > 1.0).map(|k| KeptMode::of(instrument, k)));
+        let beside = met.into_iter().filter(|k| !exact.contains(k));
+        modes.extend(beside.map(|k| KeptMode::of(instrument, k)));
         let left = 1.0 - modes.iter().map(KeptMode::flexibility).sum::<f64>() / flexibility;
         let reason = match all {
             true => format!("all {} modes that move the tip", exact.len()),
