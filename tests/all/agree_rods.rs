@@ -44,7 +44,8 @@ sweep."approach.gap" = { values = ["8 nm", "-100 nm"] }
     );
 }
 
-/// The gap of a set-point amplifies what a basis misses: gaps were off by 5.3e-4 to 8.8e-4 at 1e-4 and estimated at 3e-5 to 6e-5.
+/// The gap of a set-point amplifies what a basis misses: gaps were off by 5.9e-4 and 8.8e-4 at 1e-4 and estimated at 6e-5 and
+/// 3e-5.
 #[test]
 fn gaps_of_set_points_count_the_rod() {
     meets_the_reference(
@@ -60,8 +61,8 @@ output.observables = ["amplitude", "phase", "force_max", "gap"]
     );
 }
 
-/// The second harmonic of the force meets a mode of the rod (309.6 kHz, a share of 7e-6) near a resonance of the pressed lever, the
-/// third another. The largest force was off by 7e-3 and estimated at 2e-4, or 7e-5 at 1e-4.
+/// The second harmonic of 154.8 kHz meets a mode of the rod (309.6 kHz, a share of 7e-6) near a resonance of the pressed lever;
+/// the third of 102 kHz comes close. The largest force was off by 7e-3 and estimated at 2e-4, or 7e-5 at 1e-4.
 #[test]
 fn low_harmonics_of_pressed_levers_move_the_rod() {
     for accuracy in [1e-3, 1e-4] {

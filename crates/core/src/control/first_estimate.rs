@@ -256,8 +256,8 @@ fn keep_curves(
 }
 
 impl FirstEstimate {
-    /// Adds the errors that the measurements of the second run tell: of travel that no oscillator makes, of contacts shorter than planned, of resonant
-    /// modes left out, of work that steps do.
+    /// Adds the errors that the measurements of the second run tell: of travel that no oscillator makes, of contacts shorter than
+    /// planned, of resonant modes left out, of work that steps do.
     fn add_measured(&mut self, stepped: &[u32]) {
         let of = |i: &u32| {
             let plan = &self.plan;

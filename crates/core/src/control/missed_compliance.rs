@@ -37,8 +37,8 @@ impl<'a> FoundMotion<'a> {
         Self::new(&run.outcome.results[n].measured, run.state(n))
     }
 
-    /// Error of an instance, on its scales, if the tip swings by `travel` (m) too little or too much. Where the amplitude hardly
-    /// depends on the gap, the gap of a set-point is off by much more.
+    /// Error of an instance, on its scales, if the tip swings by `travel` (m) too little or too much. The gap of a set-point is
+    /// off by much more than that where the amplitude hardly depends on it.
     pub fn travel_error(&self, plan: &Plan, instance: u32, travel: f64) -> f64 {
         let error = travel / plan.driven(instance).free_amplitude();
         match self.gap_slope {

@@ -92,8 +92,8 @@ fn flexibility(mode: &Mode) -> f64 {
 }
 
 /// The modes that a drive of angular frequency `omega` (rad/s) may excite so much that `accuracy` needs them, the largest loss
-/// first. They may wait for the measured force if the run is `refined`. A residual oscillator answers the fundamental for modes
-/// faster than `fastest` (rad/s).
+/// first. They may wait for the measured force if the run is `refined`. A residual oscillator stands for modes faster than
+/// `fastest` (rad/s): they count for their loss alone.
 pub(super) fn resonances(
     modes: &[Mode],
     omega: f64,
