@@ -85,7 +85,7 @@ pub fn run() -> Vec<Value> {
             _ => 4.0 * whole.drives[0].free.omega,
         };
         // What this measures is the reduction alone: steps follow all of its oscillators.
-        let rule = |i: u32| BasisRule::Contact { rate: rate(i), count, elastic: false };
+        let rule = |i: u32| BasisRule::Contact { rate: rate(i), count, elastic: false, resonant: false };
         let wanted: Vec<(u32, BasisRule)> = all.iter().map(|i| (*i, rule(*i))).collect();
         let (lowest, reduced) = (forces(&modes), forces(&whole.with_bases(&wanted)));
         for (i, modulus) in scene("").sweep.axes[0].values.iter().enumerate() {

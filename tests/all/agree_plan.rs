@@ -4,7 +4,7 @@
 use crate::checks;
 use crate::checks::{Errors, calibrated, one_mode, sample, show, worst};
 use afmsweep::observe::Status;
-use afmsweep::plan::ReducedBasis;
+use afmsweep::plan::{BasisRule, ReducedBasis};
 use afmsweep::scene::{DriveFrequency, LawChoice, Scene};
 use rayon::prelude::*;
 use std::path::Path;
@@ -132,7 +132,8 @@ fn contacts_that_are_not_fast_pay_nothing_for_those_that_are() {
     // their places.
     let driven = &plan.drives[0];
     let rate = 8.0 * driven.free.omega;
-    let kept = ReducedBasis::for_contact(&driven.instrument, driven.free.omega, (rate, 8, true))
+    let rule = BasisRule::Contact { rate, count: 8, elastic: true, resonant: false };
+    let kept = ReducedBasis::for_contact(&driven.instrument, driven.free.omega, rule, scene.run.accuracy)
         .expect("it can be made");
     let exact = || kept.modes.iter().filter(|mode| mode.index.is_some());
     let first = exact().map(|mode| mode.inverse_mass).fold(f64::NAN, f64::max);

@@ -45,8 +45,7 @@ fn a_state_found_with_another_lever_leads_to_the_one_found_without() {
             scene.run.steady = Steady::Search;
         });
         let plan = checks::plan(&scene, None);
-        let with =
-            |accuracy: f64| plan.with_bases(&[(0, BasisRule::Shares { accuracy })]).with_steps(|_| 512);
+        let with = |accuracy: f64| plan.with_bases(&[(0, BasisRule::shares(accuracy))]).with_steps(|_| 512);
         let run = |plan: &Plan, near: &OrbitSolution| {
             orbit::solve(plan, &orbit::gather(&near.found, &[0]), &engine, &progress).unwrap()
         };

@@ -319,7 +319,7 @@ fn journals_of_any_bytes_hold_what_was_written_or_are_refused() {
 #[test]
 fn portions_of_any_bytes_are_what_they_were_or_none() {
     let spectrum = Floquet { multiplier: 0.3, sigma_min: f64::NAN };
-    let rule = BasisRule::Contact { rate: 2e6, count: 3, elastic: true };
+    let rule = BasisRule::Contact { rate: 2e6, count: 3, elastic: true, resonant: false };
     let place = CompactOrbit::new(&SectionState::FREE, spectrum, 256, rule);
     let one = |n: u32| InstanceRecord {
         finished: Finished { status: Status::ALL[n as usize % 3], ..Finished::NOT_RUN },
@@ -329,7 +329,7 @@ fn portions_of_any_bytes_are_what_they_were_or_none() {
         jump: n == 2,
         neighbour_started: n > 1,
         precision: Precision::F64,
-        fineness: Resolution { steps: 64 << n, gap: 1e-8, rule: BasisRule::Shares { accuracy: 1e-3 } },
+        fineness: Resolution { steps: 64 << n, gap: 1e-8, rule: BasisRule::shares(1e-3) },
         state: (n > 0).then(|| place.clone()),
         from_rest: (n == 3).then(|| Box::new((Finished::NOT_RUN, place.clone()))),
     };

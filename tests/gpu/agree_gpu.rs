@@ -50,7 +50,12 @@ fn same_bits_by_means(precision: Precision) -> Result<(), Failed> {
     for law in ["dmt", "jkr"] {
         for start in ["steady", "rest"] {
             let plan = checks::plan_in(&long(law, start, 4), None, precision);
-            let rule = BasisRule::Contact { rate: 40.0 * plan.drives[0].free.omega, count: 4, elastic: true };
+            let rule = BasisRule::Contact {
+                rate: 40.0 * plan.drives[0].free.omega,
+                count: 4,
+                elastic: true,
+                resonant: false,
+            };
             let wanted: Vec<(u32, BasisRule)> = plan.instances().map(|i| (i, rule)).collect();
             let plan = plan.with_bases_alone(&wanted);
             let driven = plan.driven(0);

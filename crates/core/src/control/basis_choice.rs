@@ -81,7 +81,7 @@ pub(super) fn choose_bases(plan: &Plan, stepped: &[u32], tried: Option<&BasisTri
 fn as_planned(plan: &Plan, some_fast: bool) -> BasisChoice {
     let count = plan.len();
     let poorer = some_fast.then(|| {
-        let mut poorer = Interned::of(count, BasisRule::Shares { accuracy: plan.run.accuracy });
+        let mut poorer = Interned::of(count, BasisRule::shares(plan.run.accuracy));
         (0..count as u32).for_each(|i| poorer.set(i as usize, next_poorer(plan.basis_rule(i))));
         poorer
     });
@@ -138,7 +138,7 @@ struct BasisAssignment<'a> {
 
 impl<'a> BasisAssignment<'a> {
     fn new(plan: &'a Plan) -> Self {
-        let poorer = Interned::of(plan.len(), BasisRule::Shares { accuracy: plan.run.accuracy });
+        let poorer = Interned::of(plan.len(), BasisRule::shares(plan.run.accuracy));
         let left_out = vec![0.0; plan.len()];
         Self { plan, rebasing: Rebasing::new(plan), poorer, truncation: left_out, any_poorer: false }
     }
@@ -154,17 +154,17 @@ impl<'a> BasisAssignment<'a> {
         let asked = self.plan.run.accuracy;
         let least = RICHEST_ACCURACY_SHARE * asked;
         let place = &StiffnessRank::among(&of_kind.stiffnesses, stiffness);
-        let shares = |n: usize| BasisRule::Shares { accuracy: of_kind.costs[n].accuracy };
+        let shares = |n: usize| BasisRule::shares(of_kind.costs[n].accuracy);
         if let Some((n, cost)) = of_kind.basis(place) {
             let before = n.checked_sub(1).filter(|n| of_kind.costs[*n].begins(place));
             self.put(i, (shares(n), before.map_or(shares(n), shares)), cost);
         } else if let Some((n, left)) = of_kind.almost(place).filter(|(_, left)| *left <= asked) {
             // The last basis on trial missed its bound, but it is accurate enough to verify the richest one.
-            let richest = BasisRule::Shares { accuracy: least };
+            let richest = BasisRule::shares(least);
             self.put(i, (richest, shares(n)), self.plan.policy.left_of_steps * left);
         } else {
             // No basis of the trial serves. The contact gets its own basis, which the next poorer one verifies.
-            let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::Shares { accuracy: least });
+            let own = self.plan.contact_basis_rule(i).unwrap_or(BasisRule::shares(least));
             let cost = if own.poorer().is_some() { 0.0 } else { least };
             self.put(i, (own, next_poorer(own)), cost);
         }

@@ -87,7 +87,7 @@ fn needs_basis_run(plan: &Plan, i: u32, smaller: BasisRule) -> bool {
         BasisRule::Contact { count, elastic, .. } => {
             !elastic || count < plan.policy.first_oscillators || plan.law(i).jumps()
         }
-        BasisRule::Shares { .. } | BasisRule::Resonant { .. } => false,
+        BasisRule::Shares { .. } => false,
     }
 }
 

@@ -4,7 +4,7 @@ use super::difference_scale::remaining_error_factor;
 use crate::compare::{self, Scales};
 use crate::observe::{Measured, Observable};
 use crate::orbit::{OrbitSolution, PeriodicState};
-use crate::plan::{Driven, KeptMode, Plan, compliance};
+use crate::plan::{Driven, Plan, compliance};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -126,11 +126,7 @@ pub(super) fn lasting_response(plan: &Plan, instance: u32, measured: &Measured, 
         return 1.0;
     }
     let omega = harmonic * driven.free.omega;
-    let response = |mode: &KeptMode| {
-        let stiff = (mode.omega - omega) * (mode.omega + omega);
-        mode.inverse_mass / Complex::new(stiff, 2.0 * mode.damping * mode.omega * omega)
-    };
-    let compliance: Complex<f64> = driven.kept.modes.iter().map(response).sum();
+    let compliance: Complex<f64> = driven.kept.modes.iter().map(|mode| mode.response(omega)).sum();
     (1.0 + stiffness * compliance).norm().recip()
 }
 

@@ -246,14 +246,14 @@ mod tests {
         let chosen = precision_trial::choose(&whole, &[0], &engine, &progress).expect("nothing is open");
         let rich = whole.clone().with_shares(1e-2 * scene.run.accuracy).with_steps(|steps| 4 * steps);
         let truth = orbit::solve(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
-        let with = |accuracy| whole.with_bases(&[(0, BasisRule::Shares { accuracy })]);
+        let with = |accuracy| whole.with_bases(&[(0, BasisRule::shares(accuracy))]);
         let run = |poorer| {
             let first = EstimateInputs::alone(poorer, vec![0.0], &chosen);
             run(with(0.1), &[0], first, &engine, &progress).expect("it runs")
         };
         let error = |of: &ChunkRun| scaled_difference(&whole, 0, &of.outcome.results[0], &truth);
         let modes = |of: &ChunkRun| of.plan.driven(0).kept.modes.len();
-        let poorer = PoorerBasis::of(&with(0.1), vec![BasisRule::Shares { accuracy: 0.3 }]);
+        let poorer = PoorerBasis::of(&with(0.1), vec![BasisRule::shares(0.3)]);
         let (alike, apart) = (run(None), run(Some(poorer)));
         let asked = scene.run.accuracy;
         // Steps alone do not show the error; what the basis misses of the compliance does.
@@ -300,7 +300,7 @@ mod tests {
         let chosen = precision_trial::choose(&whole, &[0], &engine, &progress).expect("nothing is open");
         let rich = whole.clone().with_shares(1e-2 * scene.run.accuracy).with_steps(|steps| 16 * steps);
         let truth = orbit::solve(&rich, &[], &engine, &progress).expect("it runs").outcome.results[0];
-        let few = whole.with_bases(&[(0, BasisRule::Shares { accuracy: 0.01 })]);
+        let few = whole.with_bases(&[(0, BasisRule::shares(0.01))]);
         let first = EstimateInputs::alone(None, vec![0.0], &chosen);
         let run = run(few.clone(), &[0], first, &engine, &progress).expect("it runs");
         let error = scaled_difference(&whole, 0, &run.outcome.results[0], &truth);

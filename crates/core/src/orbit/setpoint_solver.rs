@@ -29,7 +29,7 @@ pub(super) fn solve_first(
     engine: &dyn Engine,
     progress: &Progress,
 ) -> Result<OrbitSolution, EngineError> {
-    let poorest = BasisRule::Shares { accuracy: plan.policy.poorest };
+    let poorest = BasisRule::shares(plan.policy.poorest);
     let wanted: Vec<(u32, BasisRule)> = plan.stepped().into_iter().map(|i| (i, poorest)).collect();
     let poor = plan.with_bases(&wanted);
     let (mut settled, mut too_deep) = approach_and_hold(plan, &poor, engine, progress)?;

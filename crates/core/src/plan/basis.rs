@@ -17,7 +17,7 @@
 use super::BasisRule;
 use super::compliance::{MAX_RATE_RATIO, compliance, reduced};
 use super::oscillator::KeptMode;
-use super::resonant_modes::{Resonance, met_by_low_harmonics, resonances};
+use super::resonant_modes::{LOW_HARMONIC, Resonance, resonances};
 use super::ringing::{
     LONG_RING_SHARE, LeverModes, MAX_LEVER_MODE_RATIO, MIN_REDUCED_OSCILLATORS, left, ringing,
 };
@@ -44,6 +44,9 @@ const OSCILLATOR_GROWTH: f64 = 0.12;
 /// A contact's basis has a static oscillator if the others lack more than this share of the flexibility.
 const MIN_STATIC_SHARE: f64 = 1e-6;
 
+/// A contact's basis takes no more of the modes that waited than so many.
+const MAX_JOINING_MODES: usize = 6;
+
 /// Modes faster than the contact by more than this are not kept as they are.
 const MAX_MODE_RATE_RATIO: f64 = 64.0;
 
@@ -59,8 +62,7 @@ pub struct ReducedBasis {
     pub missed_response: Complex<f64>,
     /// Whether one residual oscillator replaces the faster modes.
     pub residual_kept: bool,
-    /// Faint modes that a harmonic of the force moves: they wait until the measured force tells that they matter. None in a
-    /// contact's basis.
+    /// Faint modes that a harmonic of the force moves: they wait until the measured force tells that they matter.
     pub waiting: Vec<Resonance>,
     /// The rule that chose them.
     pub rule: BasisRule,
@@ -132,7 +134,7 @@ impl ReducedBasis {
         let fastest = fastest_stepped(omega, steps_max);
         let mut kept = Self::by_share(instrument, accuracy, count, (fastest, steps_max));
         if resonant {
-            kept.rule = BasisRule::Resonant { accuracy };
+            kept.rule = kept.rule.with_resonant_modes();
         }
         if let Some(count) = count {
             kept.reason = format!("{count} modes, as the scene says");
@@ -203,29 +205,32 @@ impl ReducedBasis {
             left -= share(k) / flexibility;
             modes.push(KeptMode::of(instrument, k));
         }
-        let rule = BasisRule::Shares { accuracy };
+        let rule = BasisRule::shares(accuracy);
         Self::of(modes, (flexibility, left), rule, reason)
     }
 
-    /// `count` oscillators for contacts of the rate `rate` (rad/s) under a drive of angular frequency `omega`: exactly the
-    /// modes that ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others.
-    /// A rod's modes that a low harmonic of the force amplifies are kept as they are, and a static oscillator stands for the
-    /// slow ones, which no contact moves. `None` if there are too few modes to reduce, or a mode answers against the force.
-    pub fn for_contact(
-        instrument: &Instrument,
-        omega: f64,
-        (rate, count, elastic): (f64, usize, bool),
-    ) -> Option<Self> {
+    /// The oscillators of a [`BasisRule::Contact`] under a drive of angular frequency `omega` (rad/s): exactly the modes that
+    /// ring on from one contact to the next and are slow enough to be moved by one, and a reduction of the others. A rod's
+    /// modes that a harmonic of the force may move wait if a run of this `accuracy` may need them, or are kept as they are. A
+    /// static oscillator stands for the slow ones, which no contact moves. `None` if there are too few modes to reduce, a mode
+    /// answers against the force, or the rule is another.
+    pub fn for_contact(instrument: &Instrument, omega: f64, rule: BasisRule, accuracy: f64) -> Option<Self> {
+        let BasisRule::Contact { rate, count, resonant, .. } = rule else { return None };
         let share = |mode: &Mode| mode.inverse_mass() / (mode.omega * mode.omega);
         let flexibility: f64 = instrument.modes.iter().map(share).sum();
         // The slowest lever mode and all above it.
         let first = (0..instrument.modes.len())
             .max_by(|a, b| share(&instrument.modes[*a]).total_cmp(&share(&instrument.modes[*b])))?;
-        let rule = BasisRule::Contact { rate, count, elastic };
-        // Only a rod has slower modes. Its modes that a low harmonic amplifies are kept beside the others.
-        let rod = first > 0;
-        let met = if rod { met_by_low_harmonics(&instrument.modes, omega) } else { Vec::new() };
-        let count = if rod { count.min(MODES_MAX - met.len() - 1) } else { count };
+        let rod = instrument.modes.iter().any(|mode| mode.top * mode.inverse_mass() != 0.0);
+        let mut waiting = Vec::new();
+        if rod {
+            // The reduction has the flexibility of modes that are faster than the low harmonics.
+            let fastest = (LOW_HARMONIC + 0.5) * omega;
+            waiting = resonances(&instrument.modes, omega, (accuracy, true), fastest);
+            waiting.sort_by(|a, b| b.compliance().norm().total_cmp(&a.compliance().norm()));
+        }
+        let joining = if resonant { waiting.len().min(MAX_JOINING_MODES) } else { 0 };
+        let count = if rod { count.min(MODES_MAX - joining - 1) } else { count };
         let moved: Vec<usize> =
             (first..instrument.modes.len()).filter(|k| instrument.modes[*k].inverse_mass() != 0.0).collect();
         // All modes of a list; the fastest modes of a finite-element beam are too fast to be stepped.
@@ -235,7 +240,10 @@ impl ReducedBasis {
             true => moved.clone(),
             false => ringing(instrument, omega, rate, &moved, count),
         };
-        let mut modes: Vec<KeptMode> = exact.iter().map(|&k| KeptMode::of(instrument, k)).collect();
+        waiting.retain(|one| !exact.contains(&one.mode));
+        let met: Vec<usize> = waiting.drain(..joining.min(waiting.len())).map(|one| one.mode).collect();
+        let mut modes: Vec<KeptMode> =
+            exact.iter().chain(&met).map(|&k| KeptMode::of(instrument, k)).collect();
         if !all {
             let kept = |k: &&usize| exact.contains(*k) || met.contains(*k);
             let rest: Vec<&Mode> = moved.iter().filter(|k| !kept(k)).map(|k| &instrument.modes[*k]).collect();
@@ -244,14 +252,12 @@ impl ReducedBasis {
             let from = 0.5 * rest.iter().find(|mode| levers.own(mode)).or(rest.first())?.omega;
             modes.extend(reduced(&rest, count - exact.len(), from, rate.max(4.0 * from))?);
         }
-        let beside = met.into_iter().filter(|k| !exact.contains(k));
-        modes.extend(beside.map(|k| KeptMode::of(instrument, k)));
         let left = 1.0 - modes.iter().map(KeptMode::flexibility).sum::<f64>() / flexibility;
         let reason = match all {
             true => format!("all {} modes that move the tip", exact.len()),
             false => reduction_reason(exact.len(), count - exact.len(), rate),
         };
-        let mut kept = Self::of(modes, (flexibility, left), rule, reason);
+        let mut kept = Self { waiting, ..Self::of(modes, (flexibility, left), rule, reason) };
         if rod {
             kept.add_static_of_rest(instrument, omega, MIN_STATIC_SHARE);
         }
@@ -328,7 +334,7 @@ impl ReducedBasis {
     /// The same as steps of this length (s) meet it: fast oscillators count by their mean answer to a force within a step.
     pub fn stepped_inverse_mass(&self, step: f64) -> f64 {
         match self.rule {
-            BasisRule::Shares { .. } | BasisRule::Resonant { .. } => self.inverse_mass(),
+            BasisRule::Shares { .. } => self.inverse_mass(),
             BasisRule::Contact { .. } => self.inverse_mass() * own_answer(&self.flow(), step),
         }
     }
@@ -365,7 +371,7 @@ impl ReducedBasis {
     /// their means; for another contact those alone that the most steps cannot follow.
     fn flow_mode(&self, mode: &KeptMode) -> FlowMode {
         let fast_angle = match self.rule {
-            BasisRule::Shares { .. } | BasisRule::Resonant { .. } => f64::INFINITY,
+            BasisRule::Shares { .. } => f64::INFINITY,
             BasisRule::Contact { elastic: true, .. } => FAST_ANGLE,
             BasisRule::Contact { elastic: false, .. } => 2.0 * FAST_ANGLE,
         };

@@ -7,13 +7,12 @@ use std::hash::{Hash, Hasher};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BasisRule {
     /// Modes in the order of their share of the tip's flexibility until the remainder suits this accuracy, and one residual
-    /// oscillator. Modes that a harmonic of the drive meets head-on are among them unless they are faint.
-    Shares { accuracy: f64 },
-    /// The same, and the faint modes that a harmonic of the drive meets.
-    Resonant { accuracy: f64 },
+    /// oscillator. Modes that a harmonic of the drive meets head-on are among them, faint ones if it is `resonant`.
+    Shares { accuracy: f64, resonant: bool },
     /// `count` oscillators for motions of the tip at rates up to `rate`, rad/s. Steps average over fast ones if the contact
-    /// is `elastic`: the force of another depends on their speed.
-    Contact { rate: f64, count: usize, elastic: bool },
+    /// is `elastic`: the force of another depends on their speed. The modes of a rod that a harmonic of the drive meets are
+    /// beside them if it is `resonant`.
+    Contact { rate: f64, count: usize, elastic: bool, resonant: bool },
 }
 
 /// Numbers of oscillators that the rate of a contact may choose.
@@ -28,13 +27,30 @@ impl Hash for BasisRule {
 }
 
 impl BasisRule {
+    /// Modes by their share alone.
+    pub fn shares(accuracy: f64) -> Self {
+        Self::Shares { accuracy, resonant: false }
+    }
+
+    /// Whether it keeps the modes that otherwise wait.
+    pub fn is_resonant(&self) -> bool {
+        let (Self::Shares { resonant, .. } | Self::Contact { resonant, .. }) = self;
+        *resonant
+    }
+
+    /// The same rule with the modes that otherwise wait.
+    pub(super) fn with_resonant_modes(mut self) -> Self {
+        let (Self::Shares { resonant, .. } | Self::Contact { resonant, .. }) = &mut self;
+        *resonant = true;
+        self
+    }
+
     /// A key for bases made before.
     pub fn key(&self) -> [u64; 2] {
         match self {
-            Self::Shares { accuracy } => [accuracy.to_bits(), 0],
-            Self::Resonant { accuracy } => [accuracy.to_bits(), u64::MAX],
-            Self::Contact { rate, count, elastic } => {
-                [rate.to_bits(), (*count as u64) << 1 | u64::from(*elastic)]
+            Self::Shares { accuracy, resonant } => [accuracy.to_bits(), u64::from(*resonant)],
+            Self::Contact { rate, count, elastic, resonant } => {
+                [rate.to_bits(), (*count as u64) << 2 | u64::from(*resonant) << 1 | u64::from(*elastic)]
             }
         }
     }
@@ -42,23 +58,22 @@ impl BasisRule {
     /// The same rule with a function of its accuracy. The rule of a contact has none and stays.
     pub(super) fn with_accuracy(self, of: impl Fn(f64) -> f64) -> Self {
         match self {
-            Self::Shares { accuracy } => Self::Shares { accuracy: of(accuracy) },
-            Self::Resonant { accuracy } => Self::Resonant { accuracy: of(accuracy) },
+            Self::Shares { accuracy, resonant } => Self::Shares { accuracy: of(accuracy), resonant },
             Self::Contact { .. } => self,
         }
     }
 
     /// The next rule with fewer oscillators, if the contact's rate chose this one.
     pub fn poorer(&self) -> Option<Self> {
-        let Self::Contact { rate, count, elastic } = *self else { return None };
+        let Self::Contact { rate, count, elastic, resonant } = *self else { return None };
         let fewer = OSCILLATOR_COUNTS.into_iter().rev().find(|other| *other < count)?;
-        Some(Self::Contact { rate, count: fewer, elastic })
+        Some(Self::Contact { rate, count: fewer, elastic, resonant })
     }
 
     /// The next rule with more oscillators, likewise.
     pub fn richer(&self) -> Option<Self> {
-        let Self::Contact { rate, count, elastic } = *self else { return None };
+        let Self::Contact { rate, count, elastic, resonant } = *self else { return None };
         let more = OSCILLATOR_COUNTS.into_iter().find(|other| *other > count)?;
-        Some(Self::Contact { rate, count: more, elastic })
+        Some(Self::Contact { rate, count: more, elastic, resonant })
     }
 }

@@ -157,27 +157,31 @@ impl Driven {
         let (instrument, rate) = (&self.instrument, self.rate(octave));
         let richest = (RICHEST_ACCURACY_SHARE * accuracy, true);
         let jumps = octave.jumps && accuracy < JUMPS_BELOW;
-        let accuracy = if jumps { JUMP_ACCURACY_SHARE * accuracy } else { accuracy };
-        let serves = |kept: &ReducedBasis| kept.serves(instrument, self.free.omega, rate, accuracy);
+        let bound = if jumps { JUMP_ACCURACY_SHARE * accuracy } else { accuracy };
+        let serves = |kept: &ReducedBasis| kept.serves(instrument, self.free.omega, rate, bound);
         if octave.power == 0 || serves(&self.kept) || serves(&shares(richest)) {
             return None;
         }
-        let count = ReducedBasis::oscillators(instrument, self.free.omega, rate, accuracy);
-        self.for_contacts(octave, |kept| kept.modes.len() >= count)
+        let least = ReducedBasis::oscillators(instrument, self.free.omega, rate, bound);
+        let enough =
+            |kept: &ReducedBasis| matches!(kept.rule, BasisRule::Contact { count, .. } if count >= least);
+        self.for_contacts(octave, accuracy, enough)
     }
 
     /// The smallest basis for contacts of the octave that is `good`, or else the largest one; `None` if a mode answers against
-    /// the force.
+    /// the force. `accuracy` is that of the run.
     pub(super) fn for_contacts(
         &self,
         octave: RateOctave,
+        accuracy: f64,
         good: impl Fn(&ReducedBasis) -> bool,
     ) -> Option<Arc<ReducedBasis>> {
         let mut richest = None;
         // The smallest count is no contact's own basis: it is the poorer one of the next.
         for count in OSCILLATOR_COUNTS.into_iter().skip(1) {
-            let wanted = (self.rate(octave), count, octave.elastic);
-            let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, wanted);
+            let (rate, elastic, resonant) = (self.rate(octave), octave.elastic, self.kept.rule.is_resonant());
+            let rule = BasisRule::Contact { rate, count, elastic, resonant };
+            let kept = ReducedBasis::for_contact(&self.instrument, self.free.omega, rule, accuracy);
             let enough = kept.as_ref().is_some_and(&good);
             richest = kept.or(richest);
             if enough {
@@ -187,19 +191,19 @@ impl Driven {
         richest.map(Arc::new)
     }
 
-    /// The basis that the rule asks for, or the drive's own if that cannot be made.
+    /// The basis that the rule asks for in a run of this accuracy, or the drive's own if that cannot be made.
     pub(super) fn reduced_by(
         &self,
         rule: BasisRule,
+        accuracy: f64,
         shares: impl FnOnce((f64, bool)) -> ReducedBasis,
     ) -> Arc<ReducedBasis> {
         match rule {
             _ if rule == self.kept.rule => Arc::clone(&self.kept),
-            BasisRule::Shares { accuracy } => Arc::new(shares((accuracy, false))),
-            BasisRule::Resonant { accuracy } => Arc::new(shares((accuracy, true))),
-            BasisRule::Contact { rate, count, elastic } => {
-                ReducedBasis::for_contact(&self.instrument, self.free.omega, (rate, count, elastic))
-                    .map_or_else(|| Arc::clone(&self.kept), Arc::new)
+            BasisRule::Shares { accuracy, resonant } => Arc::new(shares((accuracy, resonant))),
+            BasisRule::Contact { .. } => {
+                let made = ReducedBasis::for_contact(&self.instrument, self.free.omega, rule, accuracy);
+                made.map_or_else(|| Arc::clone(&self.kept), Arc::new)
             }
         }
     }

@@ -185,7 +185,7 @@ impl Plan {
     pub fn contact_basis_rule(&self, instance: u32) -> Option<BasisRule> {
         let (case, driven) = (self.case(instance), self.driven(instance));
         let octave = driven.octave(&case.contact, case.gap);
-        Some(richer_than(driven, octave, driven.kept.modes.len())?.rule)
+        Some(richer_than(driven, octave, &self.run)?.rule)
     }
 
     /// Uses these gaps, one for each instance (m).

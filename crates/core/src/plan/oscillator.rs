@@ -1,6 +1,7 @@
 //! One oscillator of a reduced basis.
 
 use crate::instrument::Instrument;
+use nalgebra::Complex;
 
 /// One oscillator of the reduced instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,5 +57,11 @@ impl KeptMode {
     /// Travel of the tip per steady tip force through this oscillator, m/N.
     pub fn flexibility(&self) -> f64 {
         self.inverse_mass / self.omega.powi(2)
+    }
+
+    /// Travel of the tip per tip force of angular frequency `omega` (rad/s) through this oscillator, m/N.
+    pub fn response(&self, omega: f64) -> Complex<f64> {
+        let stiff = (self.omega - omega) * (self.omega + omega);
+        self.inverse_mass / Complex::new(stiff, 2.0 * self.damping * self.omega * omega)
     }
 }

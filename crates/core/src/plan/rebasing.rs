@@ -46,7 +46,7 @@ pub struct Rebasing {
 impl Rebasing {
     /// Starts from a plan as it is.
     pub fn new(plan: &Plan) -> Self {
-        let none = (u32::MAX, BasisRule::Shares { accuracy: f64::NAN });
+        let none = (u32::MAX, BasisRule::shares(f64::NAN));
         Self { plan: plan.clone(), bases: Bases::default(), last: (none, 0) }
     }
 
@@ -71,7 +71,7 @@ impl Rebasing {
             return;
         }
         let steps = match basis {
-            BasisRule::Shares { accuracy } | BasisRule::Resonant { accuracy } if accuracy > run.accuracy => {
+            BasisRule::Shares { accuracy, .. } if accuracy > run.accuracy => {
                 own.min(steps_of(&plan.case(i), driven, run))
             }
             _ => own.max(fewest_steps(|| plan.case(i), driven, run)),
@@ -129,19 +129,15 @@ pub(super) fn next_richer(driven: &Driven, octave: RateOctave, run: &Run) -> Opt
             let finer = |n| rule.with_accuracy(|accuracy| accuracy * RICHER_ACCURACY_RATIO.powi(n));
             let mut bases = (1..=MAX_RICHER_TRIES as i32).map(|n| reduced_by(driven, finer(n), run));
             let found = bases.find(|basis| basis.modes != driven.kept.modes);
-            found.or_else(|| richer_than(driven, octave, driven.kept.modes.len()))
+            found.or_else(|| richer_than(driven, octave, run))
         }
     }
 }
 
 /// The rule that adds the modes that wait to a drive's basis; `None` if none does.
 fn resonant_rule(driven: &Driven) -> Option<BasisRule> {
-    match driven.kept.rule {
-        BasisRule::Shares { accuracy } if !driven.kept.waiting.is_empty() => {
-            Some(BasisRule::Resonant { accuracy })
-        }
-        _ => None,
-    }
+    let ReducedBasis { rule, waiting, .. } = &*driven.kept;
+    (!rule.is_resonant() && !waiting.is_empty()).then(|| rule.with_resonant_modes())
 }
 
 /// A drive's basis with the modes that wait; `None` if none does.
@@ -149,14 +145,15 @@ pub(super) fn with_waiting(driven: &Driven, run: &Run) -> Option<Arc<ReducedBasi
     Some(reduced_by(driven, resonant_rule(driven)?, run))
 }
 
-/// The smallest basis for contacts of this octave with more than `modes` oscillators.
-pub(super) fn richer_than(driven: &Driven, octave: RateOctave, modes: usize) -> Option<Arc<ReducedBasis>> {
-    driven.for_contacts(octave, |kept| kept.modes.len() > modes).filter(|kept| kept.modes.len() > modes)
+/// The smallest basis for contacts of this octave with more oscillators than the drive's own.
+pub(super) fn richer_than(driven: &Driven, octave: RateOctave, run: &Run) -> Option<Arc<ReducedBasis>> {
+    let richer = |kept: &ReducedBasis| kept.modes.len() > driven.kept.modes.len();
+    driven.for_contacts(octave, run.accuracy, richer).filter(|kept| richer(kept))
 }
 
 /// The basis that a rule asks for.
 pub(super) fn reduced_by(driven: &Driven, rule: BasisRule, run: &Run) -> Arc<ReducedBasis> {
-    driven.reduced_by(rule, |wanted| shares(driven, wanted, run))
+    driven.reduced_by(rule, run.accuracy, |wanted| shares(driven, wanted, run))
 }
 
 /// Fewest steps with which a case may step its basis: as many as the fastest oscillator needs, or as the rule gives for

@@ -95,16 +95,13 @@ impl ReducedBasis {
         }
     }
 
-    /// Keeps what the oscillators, and the modes that wait, miss of the tip's response to a force of angular frequency `omega`.
+    /// Keeps what the oscillators, and the modes that wait for this, miss of the tip's response to the fundamental of the force,
+    /// of angular frequency `omega`.
     pub(super) fn with_missed_response(mut self, instrument: &Instrument, omega: f64) -> Self {
-        let response = |(own, loss, inverse_mass): (f64, f64, f64)| {
-            inverse_mass / Complex::new((own - omega) * (own + omega), omega * own * loss)
-        };
-        let waits = |k: usize| self.waiting.iter().any(|one| one.mode == k);
-        let modes = instrument.modes.iter().enumerate().filter(|(k, _)| !waits(*k));
-        let all =
-            modes.map(|(_, mode)| response((mode.omega, mode.quality_factor.recip(), mode.inverse_mass())));
-        let ours = self.modes.iter().map(|one| response((one.omega, 2.0 * one.damping, one.inverse_mass)));
+        let waits = |k: usize| self.waiting.iter().any(|one| one.mode == k && one.harmonic == 1.0);
+        let all = (0..instrument.modes.len()).filter(|k| !waits(*k));
+        let all = all.map(|k| KeptMode::of(instrument, k).response(omega));
+        let ours = self.modes.iter().map(|one| one.response(omega));
         self.missed_response = all.sum::<Complex<f64>>() - ours.sum::<Complex<f64>>();
         self
     }
@@ -112,7 +109,7 @@ impl ReducedBasis {
 
 #[cfg(test)]
 mod tests {
-    use crate::plan::ReducedBasis;
+    use crate::plan::{BasisRule, ReducedBasis};
     use crate::test_plans::plan_of;
     use nalgebra::Complex;
 
@@ -130,7 +127,8 @@ mod tests {
         let plan = plan_of(text);
         let driven = plan.driven(0);
         let (instrument, omega) = (&driven.instrument, driven.free.omega);
-        let for_contact = ReducedBasis::for_contact(instrument, omega, (1e8, 24, true)).expect("it is made");
+        let rule = BasisRule::Contact { rate: 1e8, count: 24, elastic: true, resonant: true };
+        let for_contact = ReducedBasis::for_contact(instrument, omega, rule, 1e-4).expect("it is made");
         let bases = [("shares", &*driven.kept), ("contact", &for_contact)];
         for (rule, basis) in bases {
             let flexibility: f64 = basis.modes.iter().map(|mode| mode.flexibility()).sum();
@@ -139,7 +137,7 @@ mod tests {
             let response = |own: f64, quality: f64, inverse_mass: f64| {
                 inverse_mass / Complex::new(own * own - omega * omega, omega * own / quality)
             };
-            let waits = |k: usize| basis.waiting.iter().any(|one| one.mode == k);
+            let waits = |k: usize| basis.waiting.iter().any(|one| one.mode == k && one.harmonic == 1.0);
             let modes = instrument.modes.iter().enumerate().filter(|(k, _)| !waits(*k));
             let all: Complex<f64> =
                 modes.map(|(_, one)| response(one.omega, one.quality_factor, one.inverse_mass())).sum();

@@ -21,12 +21,12 @@ const SMOOTH_HARMONIC: f64 = 10.0;
 /// A mode also matters if a low harmonic of the force moves it by more than this share of the accuracy, relative to the travel
 /// of the whole tip under the fundamental. The gap of a set-point may amplify that a hundredfold, so a mode waits for less than
 /// it is kept for where nothing can make it join later, and there only for the fundamental.
-const MIN_WAITING_FUNDAMENTAL: f64 = 0.01;
-const MIN_KEPT_FUNDAMENTAL: f64 = 0.5;
+const MIN_WAITING_TRAVEL: f64 = 0.01;
+const MIN_KEPT_TRAVEL: f64 = 0.5;
 
 /// A contact that lasts has a force of so many harmonics. Next to a resonance of the pressed lever one of them may move a mode
 /// far: at twice 154.8 kHz a rod's mode of a share of 7e-6 changed the largest force by 7e-3.
-const LOW_HARMONIC: f64 = 3.0;
+pub(super) const LOW_HARMONIC: f64 = 3.0;
 
 /// A harmonic meets a mode head-on if the mode's out-of-phase response is this many times its static one. Few of many
 /// frequencies or levers are so, and no trial on a sample of them shows it.
@@ -106,7 +106,7 @@ pub(super) fn resonances(
     let least = MIN_LOSS_RATIO * accuracy * modes.iter().map(flexibility).sum::<f64>() / quality;
     let all = || modes.iter().enumerate();
     let whole: Complex<f64> = all().map(|(k, mode)| Resonance::at_drive(k, mode, omega).compliance()).sum();
-    let share = if refined { MIN_WAITING_FUNDAMENTAL } else { MIN_KEPT_FUNDAMENTAL };
+    let share = if refined { MIN_WAITING_TRAVEL } else { MIN_KEPT_TRAVEL };
     let swinging = share * accuracy * whole.norm();
     let moved = |(k, mode): (usize, &Mode)| {
         let nearest = Resonance::of(k, mode, omega);
@@ -118,23 +118,6 @@ pub(super) fn resonances(
     let mut met: Vec<Resonance> = all().filter_map(moved).collect();
     met.sort_by(|a, b| b.lossy_compliance().total_cmp(&a.lossy_compliance()).then(a.mode.cmp(&b.mode)));
     met
-}
-
-/// A contact's basis has a mode that the nearest of the first harmonics moves by this share of the tip's static travel or more,
-/// but no more than so many.
-const MIN_AMPLIFIED_SHARE: f64 = 3e-5;
-const MAX_AMPLIFIED_MODES: usize = 3;
-
-/// The modes that the first harmonics of a force amplify, under a drive of angular frequency `omega` (rad/s), the largest
-/// response first.
-pub(super) fn met_by_low_harmonics(modes: &[Mode], omega: f64) -> Vec<usize> {
-    let least = MIN_AMPLIFIED_SHARE * modes.iter().map(flexibility).sum::<f64>();
-    let all = modes.iter().enumerate().map(|(k, mode)| Resonance::of(k, mode, omega));
-    let is_met =
-        |one: &Resonance| one.is_low() && one.response.norm() > 1.0 && one.compliance().norm() > least;
-    let mut met: Vec<Resonance> = all.filter(is_met).collect();
-    met.sort_by(|a, b| b.compliance().norm().total_cmp(&a.compliance().norm()).then(a.mode.cmp(&b.mode)));
-    met.iter().take(MAX_AMPLIFIED_MODES).map(|one| one.mode).collect()
 }
 
 #[cfg(test)]

@@ -70,7 +70,7 @@ pub fn steps(
 pub(super) fn needed_by_modes(kept: &ReducedBasis, omega: f64) -> f64 {
     let needed = TAU * kept.fastest() / (omega * ANGLE_MAX);
     match kept.rule {
-        BasisRule::Shares { .. } | BasisRule::Resonant { .. } => needed,
+        BasisRule::Shares { .. } => needed,
         BasisRule::Contact { elastic: false, .. } => 2.0 * needed,
         BasisRule::Contact { elastic: true, .. } => 0.0,
     }

@@ -99,9 +99,10 @@ pub(super) fn fineness(numbers: &mut impl Iterator<Item = u64>) -> Option<Resolu
 
 fn rule(one: BasisRule) -> [u64; 3] {
     match one {
-        BasisRule::Shares { accuracy } => [0, accuracy.to_bits(), 0],
-        BasisRule::Resonant { accuracy } => [3, accuracy.to_bits(), 0],
-        BasisRule::Contact { rate, count, elastic } => [1 + u64::from(elastic), rate.to_bits(), count as u64],
+        BasisRule::Shares { accuracy, resonant } => [3 * u64::from(resonant), accuracy.to_bits(), 0],
+        BasisRule::Contact { rate, count, elastic, resonant } => {
+            [1 + u64::from(elastic) + 3 * u64::from(resonant), rate.to_bits(), count as u64]
+        }
     }
 }
 
@@ -198,11 +199,11 @@ pub(super) fn of_finished(numbers: &mut impl Iterator<Item = u64>) -> Option<Fin
 
 fn of_rule(numbers: &mut impl Iterator<Item = u64>) -> Option<BasisRule> {
     let (kind, size, count) = (numbers.next()?, f64::from_bits(numbers.next()?), numbers.next()?);
+    let resonant = kind >= 3;
     match kind {
-        0 => Some(BasisRule::Shares { accuracy: size }),
-        3 => Some(BasisRule::Resonant { accuracy: size }),
-        1 | 2 if count <= MODES as u64 => {
-            Some(BasisRule::Contact { rate: size, count: count as usize, elastic: kind == 2 })
+        0 | 3 => Some(BasisRule::Shares { accuracy: size, resonant }),
+        1 | 2 | 4 | 5 if count <= MODES as u64 => {
+            Some(BasisRule::Contact { rate: size, count: count as usize, elastic: kind % 3 == 2, resonant })
         }
         _ => None,
     }
@@ -252,10 +253,10 @@ mod tests {
         (station.x[1], station.u[23]) = (number(), number());
         let spectrum = Floquet { multiplier: number(), sigma_min: number() };
         let rate = number();
-        let rule = match draw(state) % 4 {
-            0 => BasisRule::Shares { accuracy: rate },
-            1 => BasisRule::Resonant { accuracy: rate },
-            kind => BasisRule::Contact { rate, count: 7, elastic: kind == 2 },
+        let (kind, resonant) = (draw(state) % 3, draw(state) % 2 == 0);
+        let rule = match kind {
+            0 => BasisRule::Shares { accuracy: rate, resonant },
+            kind => BasisRule::Contact { rate, count: 7, elastic: kind == 2, resonant },
         };
         let place = CompactOrbit::new(&station, spectrum, 64, rule);
         let finished = Finished { measured, status: Status::ALL[draw(state) as usize % 8] };

@@ -114,7 +114,7 @@ mod tests {
             &station,
             spectrum,
             128,
-            BasisRule::Contact { rate: 1e6, count: 4, elastic: true },
+            BasisRule::Contact { rate: 1e6, count: 4, elastic: true, resonant: false },
         );
         let one = |n: u32| {
             let question = FollowupKey {
