@@ -49,6 +49,16 @@ impl<L: Lane> RunSums<L> {
         single.chain(changes).chain(cosine).chain(sine)
     }
 
+    /// Takes these numbers in the same order.
+    pub fn fill(&mut self, mut numbers: impl Iterator<Item = L>) {
+        // From inside: a chain that is advanced from outside tests at each number which of its parts is next.
+        self.places().for_each(|place| {
+            if let Some(number) = numbers.next() {
+                *place = number;
+            }
+        });
+    }
+
     /// Takes in one period of `steps` steps; `wants` is none where it is not measured.
     #[inline(always)]
     pub(crate) fn close(&mut self, tally: &Tally<L>, steps: L, wants: Option<Wants>) {

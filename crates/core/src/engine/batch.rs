@@ -122,7 +122,7 @@ impl<E: Real> Batch<E> {
         let sums = |(lane, finite): (usize, &bool)| {
             let mut run_sums = RunSums::new();
             let numbers = lane_of(&self.sums, self.stepper.width, lane).skip(3);
-            run_sums.places().zip(numbers).for_each(|(place, value)| *place = value);
+            run_sums.fill(numbers);
             Sums::new(run_sums, *finite, run.measure, steps)
         };
         self.finite.iter().enumerate().map(sums).collect()

@@ -223,7 +223,7 @@ impl BatchMap {
     pub fn finished(&self, (lane, row): (usize, u32), finite: bool, plan: &Plan, rows: &Buffers) -> Finished {
         let mut run_sums = RunSums::new();
         let numbers = rows.sums.chunks_exact(rows.width).skip(3).map(|row| row[lane]);
-        run_sums.places().zip(numbers).for_each(|(place, value)| *place = value);
+        run_sums.fill(numbers);
         let (i, case) = &self.cases[row as usize];
         let sums = Sums::new(run_sums, finite, 1, case.steps);
         finish(&sums, case, plan.driven(*i), &plan.run, plan.wants)

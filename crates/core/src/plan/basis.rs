@@ -44,7 +44,7 @@ const OSCILLATOR_GROWTH: f64 = 0.12;
 /// A contact's basis has a static oscillator if the others lack more than this share of the flexibility.
 const MIN_STATIC_SHARE: f64 = 1e-6;
 
-/// A contact's basis takes no more of the modes that waited than so many.
+/// A contact's basis takes no more of the modes that waited than so many, those that answer most.
 const MAX_JOINING_MODES: usize = 6;
 
 /// Modes faster than the contact by more than this are not kept as they are.
@@ -241,7 +241,11 @@ impl ReducedBasis {
             false => ringing(instrument, omega, rate, &moved, count),
         };
         waiting.retain(|one| !exact.contains(&one.mode));
-        let met: Vec<usize> = waiting.drain(..joining.min(waiting.len())).map(|one| one.mode).collect();
+        let met: Vec<usize> = waiting.iter().take(joining).map(|one| one.mode).collect();
+        if resonant {
+            // The reduction has the others.
+            waiting.clear();
+        }
         let mut modes: Vec<KeptMode> =
             exact.iter().chain(&met).map(|&k| KeptMode::of(instrument, k)).collect();
         if !all {

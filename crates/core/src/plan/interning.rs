@@ -93,27 +93,32 @@ impl FromIterator<u32> for Codes {
 pub(crate) struct Interned<T> {
     known: Vec<T>,
     numbers: HashMap<T, u32>,
+    /// The number of the value that was put in last: neighbours mostly have the same.
+    last: u32,
     codes: Codes,
 }
 
 impl<T: Copy + Eq + Hash> Interned<T> {
     /// Without instances.
     pub fn new() -> Self {
-        Self { known: Vec::new(), numbers: HashMap::new(), codes: Codes::zeros(0) }
+        Self { known: Vec::new(), numbers: HashMap::new(), last: 0, codes: Codes::zeros(0) }
     }
 
     /// The same value for `count` instances.
     pub fn of(count: usize, value: T) -> Self {
         let codes = Codes::zeros(count);
-        Self { known: vec![value], numbers: HashMap::from([(value, 0)]), codes }
+        Self { known: vec![value], numbers: HashMap::from([(value, 0)]), last: 0, codes }
     }
 
     fn number(&mut self, value: T) -> u32 {
-        let Self { known, numbers, .. } = self;
-        *numbers.entry(value).or_insert_with(|| {
-            known.push(value);
-            known.len() as u32 - 1
-        })
+        let Self { known, numbers, last, .. } = self;
+        if known.get(*last as usize) != Some(&value) {
+            *last = *numbers.entry(value).or_insert_with(|| {
+                known.push(value);
+                known.len() as u32 - 1
+            });
+        }
+        *last
     }
 
     /// Adds an instance.

@@ -8,7 +8,7 @@ const RING_SHARE: f64 = 1e-3;
 /// The same for modes of the lever that are faster than the contact, up to the second factor; and the least number of
 /// oscillators that replace all others.
 pub(super) const LONG_RING_SHARE: f64 = 0.05;
-pub(super) const MAX_LEVER_MODE_RATIO: f64 = 6.0;
+pub(super) const MAX_LEVER_MODE_RATIO: f64 = 20.0;
 pub(super) const MIN_REDUCED_OSCILLATORS: usize = 4;
 /// A mode belongs to the lever if its inverse mass exceeds this share of that of the lever's slowest.
 const LEVER_MODE_SHARE: f64 = 0.05;

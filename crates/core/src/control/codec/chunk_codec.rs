@@ -253,7 +253,7 @@ mod tests {
         (station.x[1], station.u[23]) = (number(), number());
         let spectrum = Floquet { multiplier: number(), sigma_min: number() };
         let rate = number();
-        let (kind, resonant) = (draw(state) % 3, draw(state) % 2 == 0);
+        let (kind, resonant) = (draw(state) % 3, draw(state).is_multiple_of(2));
         let rule = match kind {
             0 => BasisRule::Shares { accuracy: rate, resonant },
             kind => BasisRule::Contact { rate, count: 7, elastic: kind == 2, resonant },

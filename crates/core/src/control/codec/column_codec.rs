@@ -49,7 +49,7 @@ pub(super) fn write<const W: usize>(
     let columns = columns((first, varying), count, fill);
     let at = bytes.len();
     bytes.resize(at + W * ENTRY_BYTES + CHECKSUM_BYTES, 0);
-    bytes.reserve_exact(columns.iter().map(|column| 8 * column.len()).sum());
+    bytes.reserve_exact(8 + columns.iter().map(|column| 8 * column.len()).sum::<usize>());
     for (n, (column, first)) in columns.iter().zip(first).enumerate() {
         let (width, word) = match column[..] {
             [] => (0, first),
@@ -101,10 +101,13 @@ fn columns<const W: usize>(
 fn append(column: &[u64], bytes: &mut Vec<u8>) -> (u8, u64) {
     let (at, any) = (bytes.len(), column.iter().fold(0, |any, number| any | number));
     let width = (8 - any.leading_zeros() / 8).max(1) as usize;
-    match width {
-        8 => column.iter().for_each(|number| bytes.extend(number.to_le_bytes())),
-        _ => column.iter().for_each(|number| bytes.extend(&number.to_le_bytes()[..width])),
+    let end = at + width * column.len();
+    // Each number is written whole; the next one covers the bytes that it does not need.
+    bytes.resize(end + 8, 0);
+    for (n, number) in column.iter().enumerate() {
+        bytes[at + n * width..][..8].copy_from_slice(&number.to_le_bytes());
     }
+    bytes.truncate(end);
     (width as u8, u64::from(crc32fast::hash(&bytes[at..])))
 }
 
