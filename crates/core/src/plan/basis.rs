@@ -243,7 +243,7 @@ impl ReducedBasis {
         waiting.retain(|one| !exact.contains(&one.mode));
         let met: Vec<usize> = waiting.iter().take(joining).map(|one| one.mode).collect();
         if resonant {
-            // The reduction has the others.
+            // Those that did not join are reduced with the others.
             waiting.clear();
         }
         let mut modes: Vec<KeptMode> =

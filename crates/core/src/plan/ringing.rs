@@ -5,10 +5,11 @@ use std::f64::consts::PI;
 
 /// A mode is kept as it is if at least this share of its motion remains after a period of the drive.
 const RING_SHARE: f64 = 1e-3;
-/// The same for modes of the lever that are faster than the contact, up to the second factor; and the least number of
-/// oscillators that replace all others.
+/// The same share for modes of the lever that are faster than the contact.
 pub(super) const LONG_RING_SHARE: f64 = 0.05;
+/// Frequency of the fastest of them over the rate of the contact.
 pub(super) const MAX_LEVER_MODE_RATIO: f64 = 20.0;
+/// At least so many oscillators replace all other modes.
 pub(super) const MIN_REDUCED_OSCILLATORS: usize = 4;
 /// A mode belongs to the lever if its inverse mass exceeds this share of that of the lever's slowest.
 const LEVER_MODE_SHARE: f64 = 0.05;

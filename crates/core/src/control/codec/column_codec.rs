@@ -49,6 +49,7 @@ pub(super) fn write<const W: usize>(
     let columns = columns((first, varying), count, fill);
     let at = bytes.len();
     bytes.resize(at + W * ENTRY_BYTES + CHECKSUM_BYTES, 0);
+    // The last number is written whole, whatever its width.
     bytes.reserve_exact(8 + columns.iter().map(|column| 8 * column.len()).sum::<usize>());
     for (n, (column, first)) in columns.iter().zip(first).enumerate() {
         let (width, word) = match column[..] {
@@ -102,7 +103,7 @@ fn append(column: &[u64], bytes: &mut Vec<u8>) -> (u8, u64) {
     let (at, any) = (bytes.len(), column.iter().fold(0, |any, number| any | number));
     let width = (8 - any.leading_zeros() / 8).max(1) as usize;
     let end = at + width * column.len();
-    // Each number is written whole; the next one covers the bytes that it does not need.
+    // Each number is written as eight bytes; the next one covers those beyond the width.
     bytes.resize(end + 8, 0);
     for (n, number) in column.iter().enumerate() {
         bytes[at + n * width..][..8].copy_from_slice(&number.to_le_bytes());
