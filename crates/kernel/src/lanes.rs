@@ -42,6 +42,11 @@ impl Rounding {
         Self(if strict { None } else { fused() })
     }
 
+    /// Whether sums of products round once: elsewhere the bits are those of a shader.
+    pub fn fuses(self) -> bool {
+        self.0.is_some()
+    }
+
     /// The same bits by fewer lanes, for one instance alone.
     pub fn least(self) -> Self {
         match self.0 {

@@ -21,6 +21,7 @@ pub mod broyden;
 mod constants;
 pub mod contact;
 mod dual;
+mod flight;
 mod flow;
 mod lane;
 mod lanes;
@@ -29,6 +30,7 @@ mod law_text;
 pub mod newton;
 mod operation_form;
 mod pair;
+mod period;
 mod recorded;
 mod recorded_step;
 mod run_sums;
@@ -48,16 +50,18 @@ mod wgsl;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub use flight::{Flight, Flights, flight_block};
 pub use flow::{FAST_ANGLE, FlowMode, LANDS, Lever, flown, increments, own_answer};
 pub use lane::{Lane, Pack, Zip, when};
 pub use lanes::{ROUNDING_VARIABLE, Rounding, instructions, vectorized};
 pub use law::{Attraction, Law, WithLaw};
+pub use period::Span;
 pub use run_sums::RunSums;
 pub use sample::Wave;
 pub use shader::{Binding, Entry, ShaderSpec, WORKGROUP};
 pub use slopes::{Room, SlopeRows, Tangent, little, strict_tangent, tangent};
 pub use step::Decay;
-pub use stepper::{Real, Span, Stepper, Traced, Tracer, tracer};
+pub use stepper::{Real, Stepper, Traced, Tracer, tracer};
 pub use sums::{HARMONICS, How, PeriodSums, SUMS, Sum, Wants};
 pub use tangent::powers;
 

@@ -1,10 +1,10 @@
-//! One step, and one drive period of steps.
+//! One step.
 
 use super::constants::{HALF, TWENTY_FOURTH, ZERO};
 use super::contact::{Approach, Interaction, Kick};
 use super::flow::Flow;
 use super::sample::{Sample, Wave};
-use super::tally::Tally;
+
 use super::{Lane, WRITTEN_OUT, Wants};
 
 /// The least number that is infinite once it is rounded to f32: 2^128 - 2^103. Beyond f32 counts as no number, so that
@@ -18,6 +18,15 @@ pub(crate) struct Free<L> {
     pub cosine: L,
     pub sine: L,
     pub rate: L,
+}
+
+impl<L: Lane> Free<L> {
+    /// The travel at a sample, and its change by a radian of the drive's phase.
+    #[inline(always)]
+    pub fn at(&self, wave: Wave<L::Element>) -> [L; 2] {
+        let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
+        [self.cosine.mul_add(cosine, self.sine * sine), self.sine.mul_add(cosine, -(self.cosine * sine))]
+    }
 }
 
 /// Free travel beyond the steady one (a start from rest), its speed per step and acceleration.
@@ -100,6 +109,16 @@ impl<L: Lane, const M: usize> State<L, M> {
         let count = if M <= WRITTEN_OUT { M } else { modes.min(M) };
         let numbers = self.x[..count].iter().chain(&self.u[..count]).chain([&self.touching]);
         numbers.zip(rows.chunks_exact_mut(L::WIDTH)).for_each(|(number, row)| number.store(row));
+    }
+
+    /// Takes the other one's numbers where the mask says so.
+    #[inline(always)]
+    pub fn choose(&mut self, mask: L::Mask, other: &Self) {
+        for k in 0..M {
+            self.x[k] = L::select(mask, other.x[k], self.x[k]);
+            self.u[k] = L::select(mask, other.u[k], self.u[k]);
+        }
+        self.touching = L::select(mask, other.touching, self.touching);
     }
 
     /// Whether some number is beyond what f32 holds, or none.
@@ -238,9 +257,8 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
         energy: bool,
     ) -> Met<L> {
         let (flow, free) = (&self.flow, &self.free);
-        let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
-        let steady = free.cosine.mul_add(cosine, free.sine * sine);
-        let mut speed = free.rate * free.sine.mul_add(cosine, -(free.cosine * sine));
+        let [steady, turned] = free.at(wave);
+        let mut speed = free.rate * turned;
         let excess = if energy { self.excess(state, speed) } else { L::splat(ZERO) };
         let mut acceleration = -(free.rate * free.rate * steady);
         let mut beyond = L::splat(ZERO);
@@ -314,78 +332,4 @@ impl<L: Lane, I: Interaction<L>, const M: usize> Case<L, I, M> {
             state.u[k] = flow.m11[k].mul_add(u, (-flow.m01[k]).mul_add(x, u)) + kick.memory[1];
         }
     }
-}
-
-/// Steps a lane through one drive period and hands each sample to `see`, with the state before its kick:
-/// `waves` for the steps, `decay` for the same steps where the run started from rest.
-///
-/// The steps are compiled for the lane's instructions; `see` ought to be inlined into them.
-pub(crate) fn each_step<L: Lane, I: Interaction<L>, const M: usize>(
-    case: &Case<L, I, M>,
-    state: &mut State<L, M>,
-    waves: &[Wave<L::Element>],
-    decay: Option<&[Decay<L::Element>]>,
-    wants: Wants,
-    mut see: impl FnMut(usize, &State<L, M>, &Sample<L>),
-) {
-    L::run(
-        #[inline(always)]
-        || {
-            // Something aligned that must be in memory: the compiler then aligns the whole stack, and what
-            // it keeps there of registers does not straddle lines of the cache.
-            std::hint::black_box(&L::splat(ZERO));
-            // A copy, which the compiler can keep in registers.
-            let mut here = *state;
-            for (index, wave) in waves.iter().enumerate() {
-                let before = here;
-                let sample = case.step(&mut here, *wave, decay.map(|rows| rows[index]), wants);
-                see(index, &before, &sample);
-            }
-            *state = here;
-        },
-    );
-}
-
-/// One drive period from steady free motion of which nothing is summed; `waves` of the fundamental.
-///
-/// A loop of its own: without the sums, more of the step stays in registers.
-pub(crate) fn unmeasured_period<L: Lane, I: Interaction<L>, const M: usize>(
-    case: &Case<L, I, M>,
-    state: &mut State<L, M>,
-    waves: &[Wave<L::Element>],
-) {
-    L::run(
-        #[inline(always)]
-        || {
-            // As in `each_step`.
-            std::hint::black_box(&L::splat(ZERO));
-            let mut here = *state;
-            for wave in waves {
-                case.step(&mut here, *wave, None, Wants::FUNDAMENTAL);
-            }
-            *state = here;
-        },
-    );
-}
-
-/// One drive period into `tally`, which holds the sums; `waves[n]` is of harmonic n + 1.
-pub(crate) fn period<L: Lane, I: Interaction<L>, const M: usize>(
-    case: &Case<L, I, M>,
-    state: &mut State<L, M>,
-    waves: &[Vec<Wave<L::Element>>],
-    decay: Option<&[Decay<L::Element>]>,
-    wants: Wants,
-    tally: &mut Tally<L>,
-) {
-    let mut sums = *tally;
-    each_step(
-        case,
-        state,
-        &waves[0],
-        decay,
-        wants,
-        #[inline(always)]
-        |index, _, sample| sums.add(sample, waves, index, wants),
-    );
-    *tally = sums;
 }

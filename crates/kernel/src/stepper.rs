@@ -7,9 +7,10 @@
 use super::constants::ZERO;
 use super::contact::{self, Interaction};
 use super::lanes::{Family, Rounding, WithLanes, with_double, with_single};
+use super::period::{Span, each_step, period, unmeasured_period};
 use super::run_sums::RunSums;
 use super::sample::Wave;
-use super::step::{Case, Decay, State, each_step, period, unmeasured_period};
+use super::step::{Case, Decay, State};
 use super::tally::Tally;
 use super::tangent::{seen_period, seen_rows};
 
@@ -44,20 +45,6 @@ pub(crate) struct Seer<E> {
 pub(crate) type See<E> = fn(usize, &[E], &mut [E], &[Wave<E>], &mut [E]);
 type Coast<E> = fn(usize, &[E], &mut [E], &[Wave<E>], u32) -> u32;
 type Measure<E> = fn(usize, &[E], &mut [E], &mut [E], &Span<E>) -> u32;
-
-/// Periods that are measured.
-#[derive(Clone, Copy, Debug)]
-pub struct Span<'a, E> {
-    /// Cosines and sines at the steps of a period, by harmonic.
-    pub waves: &'a [Vec<Wave<E>>],
-    /// What decays of the free motion at the steps of these periods, after a start from rest.
-    pub decay: Option<&'a [Decay<E>]>,
-    /// Sums that are kept.
-    pub wants: Wants,
-    /// Whether the run's sums takes them in; else it only sees how the fundamental changes.
-    pub measured: bool,
-    pub periods: u32,
-}
 
 impl<E> Stepper<E> {
     /// Steps through up to so many periods of which nothing is summed, from steady free motion. How many were done: it
@@ -214,7 +201,7 @@ fn measure<L: Lane, I: Interaction<L>, const M: usize>(
     let mut done = 0;
     while done < span.periods {
         let decay = span.decay.map(|rows| &rows[done as usize * steps..][..steps]);
-        period(&case, &mut state, span.waves, decay, span.wants, &mut tally);
+        period(&case, &mut state, span, decay, &mut tally);
         close(&mut run_sums, &mut tally, steps, span.measured.then_some(span.wants));
         done += 1;
         if beyond(&state) {

@@ -108,6 +108,12 @@ macro_rules! sums {
                 })*
             }
 
+            /// Takes the other one's numbers where the mask says so.
+            #[inline(always)]
+            pub(crate) fn choose(&mut self, mask: L::Mask, other: &Self) {
+                $($(self.$name = L::select(mask, other.$name, self.$name);)*)*
+            }
+
             /// All of them, in the order of [`SUMS`].
             pub fn numbers(&self) -> impl Iterator<Item = &L> {
                 [$($(&self.$name,)*)*].into_iter()

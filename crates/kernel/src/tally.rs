@@ -41,6 +41,58 @@ impl<L: Lane> Tally<L> {
         [self.last[0], self.last[1], self.touched]
     }
 
+    /// Takes the other one's numbers where the mask says so, with so many harmonics.
+    #[inline(always)]
+    pub fn choose(&mut self, mask: L::Mask, other: &Self, harmonics: usize) {
+        self.choose_harmonic(mask, other, 0);
+        if harmonics > 1 {
+            each_harmonic!(1 2 3 4 5 6 7 8 9, n => { self.choose_harmonic(mask, other, n) });
+        }
+        for n in 0..2 {
+            self.last[n] = L::select(mask, other.last[n], self.last[n]);
+        }
+        self.touched = L::select(mask, other.touched, self.touched);
+        self.sums.choose(mask, &other.sums);
+    }
+
+    #[inline(always)]
+    fn choose_harmonic(&mut self, mask: L::Mask, other: &Self, n: usize) {
+        self.cosine[n] = L::select(mask, other.cosine[n], self.cosine[n]);
+        self.sine[n] = L::select(mask, other.sine[n], self.sine[n]);
+    }
+
+    /// Takes in a flight that begins at a sample: by harmonic the sums of travel times cosine and sine of the phase since then.
+    /// `before` is about the indentation at its last sample. Those that matter, above zero, it has none of.
+    #[inline(always)]
+    pub fn fly(
+        &mut self,
+        sums: &[[L; 2]; HARMONICS],
+        (waves, begin): (&[Vec<Wave<L::Element>>], usize),
+        harmonics: usize,
+        before: L,
+    ) {
+        self.fly_harmonic(sums[0], waves[0][begin], 0);
+        if harmonics > 1 {
+            each_harmonic!(1 2 3 4 5 6 7 8 9, n => {
+                if n < harmonics {
+                    self.fly_harmonic(sums[n], waves[n][begin], n);
+                }
+            });
+        }
+        self.sums.deepest = self.sums.deepest.max(before);
+        self.sums.highest = self.sums.highest.min(before);
+        self.sums.apart = L::splat(ONE);
+        // Two equal samples: nothing turns at the next one, which is out of contact too.
+        self.last = [before; 2];
+    }
+
+    #[inline(always)]
+    fn fly_harmonic(&mut self, [real, imaginary]: [L; 2], wave: Wave<L::Element>, n: usize) {
+        let (cosine, sine) = (L::broadcast(wave.cosine), L::broadcast(wave.sine));
+        self.cosine[n] = self.cosine[n] + (cosine * real - sine * imaginary);
+        self.sine[n] = self.sine[n] + (sine * real + cosine * imaginary);
+    }
+
     /// Empties the sums for the next period; what links samples across its start is kept.
     #[inline(always)]
     pub fn next_period(&mut self) {

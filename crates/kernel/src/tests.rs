@@ -2,10 +2,11 @@
 
 use super::contact::{Hertz, Interaction, Jkr, RelaxingHertz, ViscousDmt};
 use super::pair::Pair;
-use super::step::{Case, State, period, unmeasured_period};
+use super::period::{period, unmeasured_period};
+use super::step::{Case, State};
 use super::tally::Tally;
 use super::x86::{Ymm32, Ymm64, Zmm32, Zmm64};
-use super::{FlowMode, HARMONICS, Lane, Lever, Pack, RunSums, Wants, Wave};
+use super::{FlowMode, HARMONICS, Lane, Lever, Pack, RunSums, Span, Wants, Wave};
 use std::f64::consts::TAU;
 
 const STEPS: usize = 96;
@@ -153,8 +154,10 @@ fn stepped<L: Lane, I: Interaction<L>>() -> Vec<u64> {
         let mut alone = state;
         let mut tally = Tally::resume([L::splat(-30.0); 2], zero);
         let mut run_sums = RunSums::new();
+        let span =
+            Span { waves: &waves, decay: None, wants: Wants::ALL, flights: None, measured: true, periods: 1 };
         for _ in 0..12 {
-            period(&case, &mut state, &waves, None, Wants::ALL, &mut tally);
+            period(&case, &mut state, &span, None, &mut tally);
             run_sums.close(&tally, L::splat(STEPS as f64), Some(Wants::ALL));
             tally.next_period();
             unmeasured_period(&case, &mut alone, &waves[0]);

@@ -92,6 +92,7 @@ impl<E: Real> Batch<E> {
                     waves,
                     decay: decay.map(|rows| &rows[(self.done - begin) as usize * waves[0].len()..]),
                     wants: if measured { wants } else { Wants::FUNDAMENTAL },
+                    flights: None,
                     measured,
                     periods: until - self.done,
                 };

@@ -1,13 +1,15 @@
 //! The period map of instances of one law, number of modes and number of steps. Their constants are made once, and their
 //! periods are stepped side by side, as many as a lane holds.
 
-use super::kernel_constants::{free, gap_and_law, lever, lever_key, member};
+use super::kernel_constants::{flight, free, gap_and_law, lever, lever_key, member};
 use super::kernel_dispatch::{TangentReal, stepper};
 use super::measurement::{Sums, finish};
 use super::period_jacobian::kept;
 use super::section_state::indentation;
 use super::{EngineError, Finished, section_state, start};
-use crate::kernel::{LENGTH, Lever, Room, Rounding, RunSums, Span, Stepper, Tangent, Wave};
+use crate::kernel::{
+    Flight, Flights, LENGTH, Lever, Room, Rounding, RunSums, Span, Stepper, Tangent, Wave, flight_block,
+};
 use crate::plan::{Case, Class, Plan, SectionState, Shape};
 use crate::scene::Start;
 use std::collections::HashMap;
@@ -41,6 +43,9 @@ pub(super) struct BatchMap {
     /// The distinct levers, and by row the index of its lever.
     levers: Vec<Lever>,
     lever_of: Vec<u32>,
+    /// Steps in a block of free flight, where measured periods fly; and flight by lever.
+    block: Option<usize>,
+    flights: Vec<Flight>,
     /// By row: its number in the plan, and its case.
     cases: Vec<(u32, Case)>,
     /// By row: the free motion's numbers, the gap and the law's constants, `own` numbers in all.
@@ -57,6 +62,7 @@ pub(super) struct Buffers {
     width: usize,
     /// The lever's constants do not change if all instances share the lever.
     constants: Vec<f64>,
+    flights: Vec<f64>,
     state: Vec<f64>,
     sums: Vec<f64>,
     /// Travel beyond the free motion at each start, kernel units.
@@ -76,6 +82,9 @@ impl BatchMap {
         let count = instances.len();
         let (mut levers, mut known, mut lever_of) = (Vec::new(), HashMap::new(), Vec::with_capacity(count));
         let (mut cases, mut rows) = (Vec::with_capacity(count), Vec::new());
+        // A shader steps through all blocks, and so does what must have its bits.
+        let block = flight_block(steps).filter(|_| rounding.fuses());
+        let mut flights = Vec::new();
         // Most instances have the lever of the one before.
         let mut last = None;
         for i in instances {
@@ -85,6 +94,9 @@ impl BatchMap {
                 Some((same, number)) if same == key => number,
                 _ => *known.entry(key).or_insert_with(|| {
                     levers.push(lever(&one, stepper.modes));
+                    flights.extend(
+                        block.map(|block| flight(&one, (block, plan.wants.harmonics), stepper.modes)),
+                    );
                     levers.len() as u32 - 1
                 }),
             };
@@ -105,6 +117,8 @@ impl BatchMap {
             waves: start::waves(steps, plan.wants.harmonics),
             levers,
             lever_of,
+            block,
+            flights,
             own: rows.len() / cases.len().max(1),
             cases,
             rows,
@@ -124,15 +138,21 @@ impl BatchMap {
         let mut rows = Buffers {
             width,
             constants: vec![0.0; constants * width],
+            flights: vec![0.0; self.flights.first().map_or(0, |flight| flight.fields.len()) * width],
             state: vec![0.0; (2 * self.stepper.modes + 1) * width],
             sums: vec![0.0; (3 + self.none_yet.len()) * width],
             travel: vec![0.0; width],
         };
-        (0..width).for_each(|lane| self.put_lever(lane, lever, &mut rows));
+        (0..width).for_each(|lane| self.put_lever(lane, 0, &mut rows));
         rows
     }
 
-    fn put_lever(&self, lane: usize, lever: &Lever, rows: &mut Buffers) {
+    fn put_lever(&self, lane: usize, number: usize, rows: &mut Buffers) {
+        let lever = &self.levers[number];
+        if let Some(flight) = self.flights.get(number) {
+            let places = rows.flights.chunks_exact_mut(rows.width).map(|row| &mut row[lane]);
+            places.zip(&flight.fields).for_each(|(place, field)| *place = *field);
+        }
         let places = rows.constants.chunks_exact_mut(rows.width).map(|row| &mut row[lane]);
         let (motion, last) = (lever.motion.len(), lever.motion.len() + self.own);
         for (n, start) in places.enumerate() {
@@ -156,7 +176,7 @@ impl BatchMap {
             // The last one fills the lanes left over.
             let (start, row) = places[lane.min(places.len() - 1)];
             if self.levers.len() > 1 {
-                self.put_lever(lane, &self.levers[self.lever_of[row as usize] as usize], rows);
+                self.put_lever(lane, self.lever_of[row as usize] as usize, rows);
             }
             let own = &self.rows[row as usize * self.own..][..self.own];
             for (n, number) in own.iter().enumerate() {
@@ -203,7 +223,9 @@ impl BatchMap {
         }
         let sums = rows.sums.chunks_exact_mut(width).skip(3);
         sums.zip(&self.none_yet).for_each(|(row, number)| row.fill(*number));
-        let span = Span { waves: &self.waves, decay: None, wants: plan.wants, measured: true, periods: 1 };
+        let flights = self.block.map(|block| Flights { fields: &rows.flights, block });
+        let span =
+            Span { waves: &self.waves, decay: None, wants: plan.wants, flights, measured: true, periods: 1 };
         self.stepper.measure(&rows.constants, &mut rows.state, &mut rows.sums, &span);
     }
 

@@ -3,7 +3,7 @@
 use super::checkpoint::InstanceCheckpoint;
 use super::start;
 use crate::contact::KernelUnits;
-use crate::kernel::{LENGTH, Lever, MODES_MAX, RunSums, flown};
+use crate::kernel::{Flight, LENGTH, Lever, MODES_MAX, RunSums, flown};
 use crate::plan::{Case, Driven, Plan};
 use crate::scene::Start;
 use rayon::prelude::*;
@@ -38,6 +38,11 @@ pub(super) fn lever((case, driven): &Member, modes: usize) -> Lever {
         true => lever.remembering(case.contact.law().recovery() * step),
         false => lever,
     }
+}
+
+/// Free flight of an instance's lever over a block of steps, with sums of so many harmonics; padded likewise.
+pub(super) fn flight((case, driven): &Member, block: (usize, usize), modes: usize) -> Flight {
+    Flight::new(&driven.kept.flow(), (step_length(driven, case.steps), case.steps), block, modes)
 }
 
 /// The levers of instances with equally many steps.

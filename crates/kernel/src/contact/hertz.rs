@@ -108,6 +108,7 @@ impl<L: Lane> Elastic<L> for Hertz<L> {
 impl<L: Lane> Interaction<L> for Hertz<L> {
     const FIELDS: &'static [&'static str] = <Self as Elastic<L>>::FIELDS;
     const SHIFTS: bool = false;
+    const ONLY_IN_CONTACT: bool = true;
 
     #[inline(always)]
     fn from_numbers(next: impl FnMut() -> L) -> Self {

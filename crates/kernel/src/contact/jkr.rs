@@ -97,6 +97,7 @@ impl<L: Lane> Jkr<L> {
 impl<L: Lane> Interaction<L> for Jkr<L> {
     const FIELDS: &'static [&'static str] = &["unit_force", "inverse_unit"];
     const SHIFTS: bool = true;
+    const ONLY_IN_CONTACT: bool = true;
 
     #[inline(always)]
     fn from_numbers(mut next: impl FnMut() -> L) -> Self {

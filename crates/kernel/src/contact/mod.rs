@@ -74,6 +74,8 @@ pub trait Interaction<L: Lane>: Copy {
     const FIELDS: &'static [&'static str];
     /// Whether its kick also moves the tip: where the force has a corner, a jump or a short reach.
     const SHIFTS: bool;
+    /// Whether no kick comes of a step that cannot touch the sample, after one that did not.
+    const ONLY_IN_CONTACT: bool = false;
     /// Whether it remembers two numbers from step to step: the last mode of the state is then this memory. The lever says
     /// how it recovers out of contact ([`super::Lever::remembering`]), a kick what a step adds.
     const MEMORY: bool = false;

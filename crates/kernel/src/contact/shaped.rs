@@ -79,6 +79,7 @@ const SHAPED_DMT: [&str; POWERS + 2] = [
 impl<L: Lane> Interaction<L> for ShapedHertz<L> {
     const FIELDS: &'static [&'static str] = <Self as Elastic<L>>::FIELDS;
     const SHIFTS: bool = false;
+    const ONLY_IN_CONTACT: bool = true;
 
     #[inline(always)]
     fn from_numbers(next: impl FnMut() -> L) -> Self {
