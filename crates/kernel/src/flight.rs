@@ -18,16 +18,22 @@ const MIN_FLIGHT_STEPS: u32 = 256;
 /// A mode is bounded by its curve where it turns by less than this in a block (rad), else by its amplitude.
 const MAX_CURVE_ANGLE: f64 = 1.0;
 
-/// Fields of [`Flight`] that each mode has, and those behind them for each harmonic.
-const FIELDS: usize = 6;
+/// Fields of [`Flight`] that each mode has: the flow's increments over a block; whether the mode's travel counts as it is (1 or 0);
+/// its change over the block by a unit of u; by a unit of |x| + |u|, what the height may be lower by.
+const M00: usize = 0;
+const M01: usize = 1;
+const M11: usize = 2;
+const NEAR: usize = 3;
+const DRIFT: usize = 4;
+const LOWER: usize = 5;
+/// Behind them, by harmonic, sums of the travel times cosine and sine of the phase since the block's start: by a unit of x, then of u.
+const HARMONIC: usize = 6;
 const HARMONIC_FIELDS: usize = 4;
 
 /// What free flight depends on of a lever under a drive, for steps of one length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flight {
-    /// Of each mode, field after field: the increments m00, m01, m11 over a block; whether the mode's travel counts as it is (1 or
-    /// 0); its change over the block by a unit of u; by a unit of |x| + |u|, what the height may be lower by; and by harmonic the
-    /// sums of travel times cosine and sine of the phase since the block's start, by a unit of x and of u.
+    /// Of each mode, field after field: what makes the bound and the flow, then the sums of each harmonic.
     pub fields: Vec<f64>,
 }
 
@@ -56,8 +62,8 @@ impl Flight {
         let wave = |harmonic| (0..block).map(move |n| phase(harmonic, n).sin_cos()).collect();
         let waves: Vec<Vec<(f64, f64)>> = (1..=harmonics).map(wave).collect();
         let mut rows: Vec<_> = modes.iter().map(|mode| row(mode, length, block, &waves)).collect();
-        rows.resize(count, vec![0.0; FIELDS + HARMONIC_FIELDS * harmonics]);
-        let fields = 0..FIELDS + HARMONIC_FIELDS * harmonics;
+        rows.resize(count, vec![0.0; HARMONIC + HARMONIC_FIELDS * harmonics]);
+        let fields = 0..HARMONIC + HARMONIC_FIELDS * harmonics;
         Self { fields: fields.flat_map(|field| rows.iter().map(move |row| row[field])).collect() }
     }
 }
@@ -102,7 +108,8 @@ impl<E: Copy> Flights<'_, E> {
         L::load(&self.fields[(field * modes + k) * L::WIDTH..])
     }
 
-    /// Which instances nothing can touch in the block that begins at `wave`.
+    /// Which instances cannot touch the sample in the block that begins at `wave`: their height is above zero wherever the bound
+    /// lets the path go.
     #[inline(always)]
     pub(crate) fn free<L: Lane<Element = E>, I: Interaction<L>, const M: usize>(
         &self,
@@ -120,15 +127,15 @@ impl<E: Copy> Flights<'_, E> {
         let mut lower = (cosine.abs() + sine.abs()) * (L::splat(HALF) * ahead * ahead + rate + rate * rate);
         for k in 0..modes {
             let (x, u) = (state.x[k], state.u[k]);
-            height = self.field::<L>(3, k, modes).mul_add(x, height);
-            drift = self.field::<L>(4, k, modes).mul_add(u, drift);
-            lower = self.field::<L>(5, k, modes).mul_add(x.abs() + u.abs(), lower);
+            height = self.field::<L>(NEAR, k, modes).mul_add(x, height);
+            drift = self.field::<L>(DRIFT, k, modes).mul_add(u, drift);
+            lower = self.field::<L>(LOWER, k, modes).mul_add(x.abs() + u.abs(), lower);
         }
         let apart = zero.less(height + drift.min(zero) - lower);
         L::both(apart, L::not(zero.less(state.touching)))
     }
 
-    /// Flies through the block that begins at a sample.
+    /// Flies through the block that begins at a sample, with sums of so many harmonics.
     #[inline(always)]
     pub(crate) fn fly<L: Lane<Element = E>, I: Interaction<L>, const M: usize>(
         &self,
@@ -145,15 +152,15 @@ impl<E: Copy> Flights<'_, E> {
         for k in 0..modes {
             let (x, u) = (state.x[k], state.u[k]);
             for (n, [real, imaginary]) in sums.iter_mut().enumerate().take(harmonics) {
-                let at = FIELDS + HARMONIC_FIELDS * n;
+                let at = HARMONIC + HARMONIC_FIELDS * n;
                 let of_x = self.field::<L>(at, k, modes).mul_add(x, *real);
                 *real = self.field::<L>(at + 2, k, modes).mul_add(u, of_x);
                 let of_x = self.field::<L>(at + 1, k, modes).mul_add(x, *imaginary);
                 *imaginary = self.field::<L>(at + 3, k, modes).mul_add(u, of_x);
             }
-            let m01 = self.field::<L>(1, k, modes);
-            state.x[k] = m01.mul_add(u, self.field::<L>(0, k, modes).mul_add(x, x));
-            state.u[k] = self.field::<L>(2, k, modes).mul_add(u, (-m01).mul_add(x, u));
+            let m01 = self.field::<L>(M01, k, modes);
+            state.x[k] = m01.mul_add(u, self.field::<L>(M00, k, modes).mul_add(x, x));
+            state.u[k] = self.field::<L>(M11, k, modes).mul_add(u, (-m01).mul_add(x, u));
             height = height + state.x[k];
             speed = case.flow.rate[k].mul_add(state.u[k], speed);
         }
@@ -170,7 +177,8 @@ mod tests {
 
     type Eight = Pack<f64, 8, false>;
 
-    const STEPS: usize = 512;
+    /// Not a whole number of blocks.
+    const STEPS: usize = 520;
 
     fn modes() -> [FlowMode; 3] {
         let mode = |ratio: f64, damping, share| FlowMode {
@@ -227,11 +235,11 @@ mod tests {
         let numbers: Vec<Eight> = numbers.collect();
         let mut free = [0; 8];
         let mut there = state;
-        for begin in (0..STEPS).step_by(block) {
-            let mask = flights.free(&case, &there, waves[0][begin]);
+        for waves in waves[0].chunks_exact(block) {
+            let mask = flights.free(&case, &there, waves[0]);
             let ones = Eight::select(mask, Eight::splat(1.0), zero);
             (0..8).for_each(|lane| free[lane] += ones.lane(lane) as usize);
-            for wave in &waves[0][begin..begin + block] {
+            for wave in waves {
                 let (_, kick) = case.kicked(&mut there, *wave);
                 let kicked = Eight::select(mask, kick.impulse.abs() + kick.touching, zero);
                 assert!((0..8).all(|lane| kicked.lane(lane) == 0.0), "a kick in a free block");
