@@ -1,6 +1,6 @@
 //! Free flight: a block of steps at once where nothing can touch the sample.
 //!
-//! Out of contact each mode only turns and decays, so its state after many steps and its part of the fundamental's sums are
+//! Out of contact each mode only turns and decays, so its state after many steps and its part of the harmonics' sums are
 //! linear in its state before them. A bound on the path tells beforehand whether a block is free. The bits of an instance do
 //! not depend on those beside it: each decides for itself.
 

@@ -28,6 +28,8 @@ pub struct Stepper<E> {
     pub width: usize,
     /// Modes that each instance's lever must have, those filled up and the law's memory included.
     pub modes: usize,
+    /// Whether measured periods take in [`Span::flights`].
+    pub flies: bool,
     coast: Coast<E>,
     measure: Measure<E>,
 }
@@ -126,6 +128,7 @@ impl<E: Copy> Make<E> for Stepper<E> {
         Self {
             width: L::WIDTH,
             modes: if M <= WRITTEN_OUT { M } else { modes },
+            flies: I::ONLY_IN_CONTACT,
             coast: coast::<L, I, M>,
             measure: measure::<L, I, M>,
         }

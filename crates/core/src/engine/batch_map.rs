@@ -62,6 +62,7 @@ pub(super) struct Buffers {
     width: usize,
     /// The lever's constants do not change if all instances share the lever.
     constants: Vec<f64>,
+    /// Free flight of the same levers; empty where none flies.
     flights: Vec<f64>,
     state: Vec<f64>,
     sums: Vec<f64>,
@@ -83,7 +84,7 @@ impl BatchMap {
         let (mut levers, mut known, mut lever_of) = (Vec::new(), HashMap::new(), Vec::with_capacity(count));
         let (mut cases, mut rows) = (Vec::with_capacity(count), Vec::new());
         // A shader steps through all blocks, and so does what must have its bits.
-        let block = flight_block(steps).filter(|_| rounding.fuses());
+        let block = flight_block(steps).filter(|_| stepper.flies && rounding.fuses());
         let mut flights = Vec::new();
         // Most instances have the lever of the one before.
         let mut last = None;
