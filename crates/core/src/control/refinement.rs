@@ -155,11 +155,8 @@ impl<'a> RefinementRun<'a> {
             let (n, place) = (i as usize, there as usize);
             let before = self.now.estimates[n];
             self.estimate((other, there), i, what, apart, &settled);
-            let known = &mut self.known[n];
-            let fast = is_fast(other, there);
-            let gained_little = self.now.estimates[n] > before / other.policy.least_gain;
-            known.stalled = fast && known.finer_before && gained_little;
-            known.finer_before |= fast;
+            let (change, fast) = ((before, self.now.estimates[n]), is_fast(other, there));
+            self.known[n].tell_stall(change, fast, other.policy.least_gain);
             let now = &mut self.now;
             now.outcome.results[n] = settled.outcome.results[place];
             now.plan.take_resolution(i, other, there, &mut taken);
