@@ -9,7 +9,7 @@ use super::contact::Interaction;
 use super::sample::Wave;
 use super::step::{Case, Free, State};
 use super::tally::Tally;
-use super::{FlowMode, HARMONICS, Lane, flown, increments};
+use super::{FlowMode, HARMONICS, Lane, increments};
 use std::f64::consts::TAU;
 
 /// Fewest steps per period for which a test of each block costs less than it saves.
@@ -84,9 +84,10 @@ fn row(mode: &FlowMode, length: f64, block: usize, waves: &[Vec<(f64, f64)>]) ->
     let mut fields = vec![m00, m01, m11, near, drift, lower + reach];
     let (mut by_x, mut by_u) = (vec![1.0], vec![0.0]);
     let (mut from_x, mut from_u) = ([1.0, 0.0], [0.0, 1.0]);
+    let [xx, xu, ux, uu] = increments(angle, mode.damping);
+    let flown = |[x, u]: [f64; 2]| [x + (xx * x + xu * u), u + (ux * x + uu * u)];
     for _ in 1..block {
-        from_x = flown(angle, mode.damping, from_x);
-        from_u = flown(angle, mode.damping, from_u);
+        (from_x, from_u) = (flown(from_x), flown(from_u));
         by_x.push(from_x[0]);
         by_u.push(from_u[0]);
     }

@@ -1,8 +1,9 @@
 //! The search for one instance's state within a batch.
 
 use super::PeriodicState;
+use super::free_jacobian::free_monodromy;
 use super::initial_guess::CurvePrediction;
-use super::period_map::{free_monodromy, transfer_with_jacobian, vector};
+use super::period_map::{transfer_with_jacobian, vector};
 use super::tolerances::newton_options;
 use crate::engine::PeriodJacobian;
 use crate::periodic::{Memory, NewtonOptions, PtcNewton, Size};

@@ -1,7 +1,6 @@
 //! First-order information on a period map near a state.
 
-use crate::periodic::{Memory, Size, inverse};
-use nalgebra::{DMatrix, DefaultAllocator, DimName, OMatrix};
+use nalgebra::DMatrix;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -59,12 +58,4 @@ impl Jacobian {
             }
         }
     }
-}
-
-/// The inverse of I minus this Jacobian.
-pub(super) fn resolvent_of<D: Size + DimName>(slope: &OMatrix<f64, D, D>) -> Option<OMatrix<f64, D, D>>
-where
-    DefaultAllocator: Memory<D>,
-{
-    inverse(OMatrix::<f64, D, D>::identity() - slope)
 }

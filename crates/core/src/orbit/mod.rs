@@ -3,6 +3,7 @@
 mod continuation;
 mod drift;
 mod envelope_solver;
+mod free_jacobian;
 mod harmonic_balance;
 mod initial_guess;
 mod instance_search;

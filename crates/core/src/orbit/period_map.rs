@@ -1,11 +1,12 @@
 //! The period map of some instances, on any engine.
 
+use super::free_jacobian::free_monodromy;
 use super::{Jacobian, PeriodicState};
 use crate::engine::{
     Engine, EngineError, JacobianStart, NewtonResult, NewtonResults, NewtonStarts, PeriodJacobian,
     PeriodJacobians, ProfileSection, Progress, ReturnMap,
 };
-use crate::kernel::{MODES_MAX, Room, flown, increments};
+use crate::kernel::{MODES_MAX, Room, increments};
 use crate::periodic::{Memory, Size};
 use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, SectionState, StartState};
 use nalgebra::{Complex, DefaultAllocator, DimName, Matrix2, OMatrix, OVector, Vector2};
@@ -17,9 +18,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Least and most instances that one thread takes through their searches: enough to fill its lanes, few enough for its cache.
 /// Few instances are shared among all threads.
 const INSTANCES_PER_THREAD: (u32, u32) = (8, 256);
-
-/// A mode is slow if its motion decays by at most this exponent in a period.
-const SLOW_MODE_EXPONENT: f64 = 0.3;
 
 /// Numbers of a fast mode are not multiplied or divided by more than this when a state is transferred.
 const MAX_STORED_RATIO: f64 = 16.0;
@@ -206,8 +204,11 @@ impl BasisTransfer {
             let equal = theirs.modes.iter().position(|other| other.omega == mode.omega);
             equal.or_else(|| corresponding(mode))
         };
-        let turn = |mode: &KeptMode, time: f64| {
-            let [m00, m01, m10, m11] = increments(mode.omega * time, mode.damping);
+        let turn = |mode: &KeptMode| {
+            if later == 0.0 {
+                return Matrix2::identity();
+            }
+            let [m00, m01, m10, m11] = increments(mode.omega * later, mode.damping);
             Matrix2::new(1.0 + m00, m01, m10, 1.0 + m11)
         };
         let both = |(own, mode): (usize, &KeptMode)| {
@@ -216,7 +217,8 @@ impl BasisTransfer {
             let here = driven.kept.stored_share(mode, step(own_steps));
             let before = theirs.stored_share(&theirs.modes[other], step(f64::from(steps)));
             let ratio = stored_ratio(here, before);
-            let (there, back) = (turn(mode, later) * ratio, turn(mode, -later) / ratio);
+            let there = turn(mode) * ratio;
+            let back = there.try_inverse()?;
             Some(ModeTransfer { own, other, there, back })
         };
         let mut modes: Vec<ModeTransfer> = own.iter().enumerate().filter_map(both).collect();
@@ -333,40 +335,6 @@ where
     let turned = BasisTransfer::new(plan, instance, (&place.basis, place.steps), D::DIM / 2);
     let slope = turned.monodromy(plan, instance, &place.jacobian);
     (turned.section(place), slope)
-}
-
-/// The free lever's Jacobian, and its columns of slow modes (see [`SLOW_MODE_EXPONENT`]) and of a law's memory. Contact changes
-/// these by more than a search can leave to its updates.
-pub(super) fn free_monodromy<D: Size + DimName>(
-    plan: &Plan,
-    instance: u32,
-) -> (OMatrix<f64, D, D>, Vec<usize>)
-where
-    DefaultAllocator: Memory<D>,
-{
-    let driven = plan.driven(instance);
-    let mut slope = OMatrix::<f64, D, D>::zeros();
-    let (mut columns, modes) = (Vec::new(), D::DIM / 2);
-    let angle = |omega: f64| TAU * omega / driven.free.omega;
-    let rate = |k: usize| driven.kept.modes[k].damping * angle(driven.kept.modes[k].omega);
-    let slowest = (0..driven.kept.modes.len()).map(rate).fold(f64::INFINITY, f64::min);
-    for (k, mode) in driven.kept.modes.iter().enumerate().take(modes) {
-        for (column, unit) in [(k, [1.0, 0.0]), (modes + k, [0.0, 1.0])] {
-            [slope[(k, column)], slope[(modes + k, column)]] = flown(angle(mode.omega), mode.damping, unit);
-            if rate(k) <= slowest.max(SLOW_MODE_EXPONENT) {
-                columns.push(column);
-            }
-        }
-    }
-    let kept = driven.kept.modes.len();
-    if plan.pairs(instance) > kept {
-        let left = (-TAU / driven.free.omega * plan.contact(instance).law().recovery()).exp();
-        for column in [kept, modes + kept] {
-            slope[(column, column)] = left;
-            columns.push(column);
-        }
-    }
-    (slope, columns)
 }
 
 /// Travels of the modes, then their rates.

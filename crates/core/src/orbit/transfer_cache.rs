@@ -1,7 +1,7 @@
 //! Transfers of solved instances' states to an instance with other steps, another lever or another drive.
 
-use super::jacobian::resolvent_of;
-use super::period_map::{BasisTransfer, free_monodromy};
+use super::free_jacobian::free_resolvent;
+use super::period_map::BasisTransfer;
 use super::stencil::{SolvedNeighbour, StencilPoint};
 use crate::periodic::{Memory, Size};
 use crate::plan::{Driven, Plan, ReducedBasis};
@@ -26,7 +26,9 @@ pub(super) struct TransferCache<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
-    cached: Vec<CachedTransfer<D>>,
+    cached: Vec<CachedTransfer>,
+    /// The resolvent of the free lever to which one was transferred last.
+    free: Option<FreeResolvent<D>>,
     /// Results by the address of the levers, which serve most look-ups.
     lookups: Vec<TransferLookup>,
     /// For each neighbour of an instance, and for its state in the run before: the transfer.
@@ -44,17 +46,24 @@ where
 const MAX_TRANSFERS: usize = 64;
 const MAX_LOOKUPS: usize = 16;
 
-struct CachedTransfer<D: Size>
-where
-    DefaultAllocator: Memory<D>,
-{
+struct CachedTransfer {
     source: (Arc<ReducedBasis>, u32),
     target: (Arc<ReducedBasis>, u32),
     /// Angular frequency of the drive, rad/s.
     omega: f64,
     transfer: BasisTransfer,
-    /// (I - J)^-1 of the free lever, made when a resolvent is transferred.
-    free_resolvent: Option<OMatrix<f64, D, D>>,
+}
+
+/// The resolvent of a free lever under a drive of angular frequency `omega` (rad/s), with a law that forgets at the rate
+/// `recovery` (1/s).
+struct FreeResolvent<D: Size>
+where
+    DefaultAllocator: Memory<D>,
+{
+    lever: Arc<ReducedBasis>,
+    omega: f64,
+    recovery: f64,
+    resolvent: OMatrix<f64, D, D>,
 }
 
 /// A pair by the address of its levers; `None` if the state needs no transfer.
@@ -96,6 +105,7 @@ where
         let zeros = OMatrix::<f64, D, D>::zeros;
         Self {
             cached: Vec::new(),
+            free: None,
             lookups: Vec::new(),
             transfers: Vec::new(),
             states: Vec::new(),
@@ -144,7 +154,7 @@ where
         TransferTarget { plan, instance, steps, driven }: TransferTarget,
         theirs: (&Arc<ReducedBasis>, u32),
     ) -> usize {
-        let fits = |turn: &CachedTransfer<D>| {
+        let fits = |turn: &CachedTransfer| {
             turn.omega == driven.free.omega
                 && (turn.source.1, turn.target.1) == (theirs.1, steps)
                 && (Arc::ptr_eq(&turn.target.0, &driven.kept) || turn.target.0.modes == driven.kept.modes)
@@ -156,7 +166,6 @@ where
                 target: (Arc::clone(&driven.kept), steps),
                 omega: driven.free.omega,
                 transfer: BasisTransfer::new(plan, instance, (theirs.0, theirs.1), D::DIM / 2),
-                free_resolvent: None,
             });
             self.cached.len() - 1
         })
@@ -232,19 +241,39 @@ where
             };
             sums.iter_mut().zip(&*node.resolvent).for_each(|(sum, value)| *sum += weight * f64::from(*value));
         }
+        if self.transfer_sums.is_empty() {
+            return;
+        }
+        let free = FreeResolvent::kept_or_new(&mut self.free, meets);
         for TransferSum { transfer: pair, share, from, count } in &self.transfer_sums {
-            let turn = &mut self.cached[*pair];
-            let free = turn.free_resolvent.get_or_insert_with(|| {
-                // A lever without damping has no resolvent, so a transfer to it predicts nothing.
-                resolvent_of(&free_monodromy::<D>(meets.plan, meets.instance).0)
-                    .unwrap_or_else(|| OMatrix::<f64, D, D>::repeat(f64::NAN))
-            });
             self.transferred_resolvent.copy_from(free);
             self.transferred_resolvent *= *share;
-            turn.transfer
+            self.cached[*pair]
+                .transfer
                 .transfer_jacobian::<D>(&self.sums[*from..][..*count], &mut self.transferred_resolvent);
             *all += &self.transferred_resolvent;
         }
+    }
+}
+
+impl<D: Size + DimName> FreeResolvent<D>
+where
+    DefaultAllocator: Memory<D>,
+{
+    /// The resolvent of an instance's free lever: the kept one if it is the same lever's.
+    fn kept_or_new<'a>(kept: &'a mut Option<Self>, meets: TransferTarget) -> &'a OMatrix<f64, D, D> {
+        let (lever, omega) = (&meets.driven.kept, meets.driven.free.omega);
+        let recovery = meets.plan.contact(meets.instance).law().recovery();
+        let same = |one: &Self| {
+            (one.omega, one.recovery) == (omega, recovery)
+                && (Arc::ptr_eq(&one.lever, lever) || one.lever.modes == lever.modes)
+        };
+        let known = kept.take().filter(same);
+        let one = known.unwrap_or_else(|| {
+            let resolvent = free_resolvent(meets.plan, meets.instance);
+            Self { lever: Arc::clone(lever), omega, recovery, resolvent }
+        });
+        &kept.insert(one).resolvent
     }
 }
 
