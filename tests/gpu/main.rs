@@ -29,7 +29,21 @@ mod twin;
 
 use libtest_mimic::Arguments;
 
+/// Prints where a thread was when its memory access failed. A driver compiles and runs shaders in this process, on threads of its
+/// own: without this a crash there leaves no trace.
+#[cfg(unix)]
+extern "C" fn print_crash(signal: libc::c_int) {
+    eprintln!("signal {signal}\n{}", std::backtrace::Backtrace::force_capture());
+    // SAFETY: back to the default, by which the access that is tried again ends the process.
+    unsafe { libc::signal(signal, libc::SIG_DFL) };
+}
+
 fn main() {
+    #[cfg(unix)]
+    // SAFETY: no other thread runs yet. Rust's own handler, which this replaces, tells overflows of the stack alone.
+    unsafe {
+        libc::signal(libc::SIGSEGV, print_crash as *const () as usize);
+    }
     let arguments = Arguments::from_args();
     let found = shader::found();
     let tests = [
