@@ -23,7 +23,7 @@ pub(super) struct ErrorParts {
     /// Whether a fast contact already had a finer run. The first finer run cannot stall it, because the difference before may
     /// have been small by chance.
     pub finer_before: bool,
-    /// Whether a finer run of a fast contact failed to reduce its estimate. Such runs are expensive.
+    /// Whether a finer run of a fast contact hardly reduced its estimate. Such runs are expensive.
     pub stalled: bool,
 }
 

@@ -1,12 +1,12 @@
 //! The period map of some instances, on any engine.
 
-use super::free_jacobian::free_monodromy;
+use super::free_jacobian::{free_monodromy, free_motion};
 use super::{Jacobian, PeriodicState};
 use crate::engine::{
     Engine, EngineError, JacobianStart, NewtonResult, NewtonResults, NewtonStarts, PeriodJacobian,
     PeriodJacobians, ProfileSection, Progress, ReturnMap,
 };
-use crate::kernel::{MODES_MAX, Room, increments};
+use crate::kernel::{MODES_MAX, Room};
 use crate::periodic::{Memory, Size};
 use crate::plan::{KeptMode, Plan, Precision, ReducedBasis, SectionState, StartState};
 use nalgebra::{Complex, DefaultAllocator, DimName, Matrix2, OMatrix, OVector, Vector2};
@@ -205,11 +205,7 @@ impl BasisTransfer {
             equal.or_else(|| corresponding(mode))
         };
         let turn = |mode: &KeptMode| {
-            if later == 0.0 {
-                return Matrix2::identity();
-            }
-            let [m00, m01, m10, m11] = increments(mode.omega * later, mode.damping);
-            Matrix2::new(1.0 + m00, m01, m10, 1.0 + m11)
+            if later == 0.0 { Matrix2::identity() } else { free_motion(mode.omega * later, mode.damping) }
         };
         let both = |(own, mode): (usize, &KeptMode)| {
             let other = same(mode)?;

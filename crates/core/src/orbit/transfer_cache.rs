@@ -1,6 +1,6 @@
 //! Transfers of solved instances' states to an instance with other steps, another lever or another drive.
 
-use super::free_jacobian::free_resolvent;
+use super::free_jacobian::{free_resolvent, recovery};
 use super::period_map::BasisTransfer;
 use super::stencil::{SolvedNeighbour, StencilPoint};
 use crate::periodic::{Memory, Size};
@@ -55,14 +55,14 @@ struct CachedTransfer {
 }
 
 /// The resolvent of a free lever under a drive of angular frequency `omega` (rad/s), with a law that forgets at the rate
-/// `recovery` (1/s).
+/// `recovery` (1/s), if it remembers anything.
 struct FreeResolvent<D: Size>
 where
     DefaultAllocator: Memory<D>,
 {
     lever: Arc<ReducedBasis>,
     omega: f64,
-    recovery: f64,
+    recovery: Option<f64>,
     resolvent: OMatrix<f64, D, D>,
 }
 
@@ -263,7 +263,7 @@ where
     /// The resolvent of an instance's free lever: the kept one if it is the same lever's.
     fn kept_or_new<'a>(kept: &'a mut Option<Self>, meets: TransferTarget) -> &'a OMatrix<f64, D, D> {
         let (lever, omega) = (&meets.driven.kept, meets.driven.free.omega);
-        let recovery = meets.plan.contact(meets.instance).law().recovery();
+        let recovery = recovery(meets.plan, meets.instance);
         let same = |one: &Self| {
             (one.omega, one.recovery) == (omega, recovery)
                 && (Arc::ptr_eq(&one.lever, lever) || one.lever.modes == lever.modes)

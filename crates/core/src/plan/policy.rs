@@ -51,7 +51,8 @@ policy! {
     /// Errors fall by at most this factor with twice the steps. The first difference is of steps and bases together; what
     /// exceeds this factor times the second, of steps alone, is due to the basis.
     steepest: f64 = 16.0,
-    /// From the second finer run of a fast contact on, a run that does not reduce the estimate by this factor is the last.
+    /// From the second finer run of a fast contact on, a run that reduces the estimate by less than this factor is the last. One
+    /// that raises it is not.
     least_gain: f64 = 1.25,
     /// A stopped run keeps an instance as done if its first estimate was below this share of the accuracy. It is less than
     /// `aim`, because later runs could have raised the estimate.
